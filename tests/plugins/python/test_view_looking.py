@@ -181,6 +181,10 @@ def test_the_page_can_be_used_by_everybody(opened):
     opened.page.get_by_text("Add curve").first.click()
     opened.page.wait_for_function("scrim.state.changed")
     opened.settle()
+    for fold in ("ball: shading", "ball: code"):
+        opened.page.get_by_text(fold).click()
+    opened.page.click("#verify")
+    opened.page.wait_for_function("!document.getElementById('verified').hidden", timeout=PATIENCE)
     for sheet in (False, True):
         if sheet:
             opened.page.click("#layers")
@@ -212,3 +216,30 @@ def test_frames_are_played_from_pictures_that_are_kept(page_of, program, tmp_pat
         page.settle()
         widths.append((page.pixels().max(axis=(0, 2)) > 24).sum())
     assert widths[1] > 1.5 * widths[0]
+
+
+def test_an_expression_is_typed_and_applied_and_a_mistake_is_at_its_line(page_of):
+    page = page_of(CENTRED)
+    before = page.pixels()
+    page.page.get_by_text("ball: code").click()
+    field = page.page.get_by_label("ball: code code: Ctrl+Enter applies it")
+    field.fill("float n = $gain;\nf@density *= nn;")
+    field.press("Control+Enter")
+    page.page.wait_for_function("document.querySelector('.code .wrong')?.textContent.trim() === '2'", timeout=PATIENCE)
+    assert page.page.locator(".code .mistake").inner_text().startswith("Line 2, column ")
+    assert field.get_attribute("aria-invalid") == "true"
+    field.fill("float n = 0.002 * $gain;\nf@density *= n;")
+    page.page.get_by_label("Apply ball: code code").click()
+    page.page.wait_for_function("!document.querySelector('.code .wrong')", timeout=PATIENCE)
+    page.settle()
+    thin = page.pixels()
+    assert thin.sum() < 0.6 * before.sum()
+    page.slide("ball: code $gain, number", 500)  # which the expression brought, and which makes it what it was
+    page.settle()
+    assert numpy.abs(page.pixels() - before).max() <= 2
+    for _ in range(3):  # the slider and both expressions
+        page.page.click("#undo")
+    page.page.wait_for_function("!scrim.state.changed")
+    page.settle()
+    assert field.input_value() == "" and page.page.get_by_label("ball: code $gain, number").count() == 0
+    assert numpy.abs(page.pixels() - before).max() <= 2

@@ -37,6 +37,7 @@ _SLOW, _FAST = 0.06, 0.025  # seconds of a coarse render from which on the next 
 _PATIENCE = 0.5  # seconds after which a coarse render that serves no longer is cancelled, too
 _REST = 0.7  # seconds without a change after which the picture of the scene's file is made
 _VERIFIED = 400  # pixels that are compared with brute force on request
+_VERIFY_SECONDS = 30.0  # after which as many of them are enough as there are
 _POLL = 0.005
 _LONG = 6.0  # seconds from which on the picture of the file is one that a draft goes before
 _SOON = 1.0  # seconds of it after which that is known
@@ -250,7 +251,7 @@ class Renderer:
             shot.set_volume(name, grids)
         self._shot = shot
         job = self._job = shot.start(wanted.frame, crop=wanted.region if task.kind == "region" else None,
-                         verify=_VERIFIED if task.kind == "verify" else 0)  # fmt: skip
+                         verify=_VERIFIED if task.kind == "verify" else 0, verify_limit=_VERIFY_SECONDS)  # fmt: skip
         while not job.wait(_POLL):
             seconds = time.monotonic() - started
             with self._changed:

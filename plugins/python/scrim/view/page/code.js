@@ -19,7 +19,14 @@ export function code(control, label, change) {
     apply.ariaLabel = `Apply ${label}`;
     const text = element("div", { className: "text" });
     text.append(numbers, field);
-    box.append(text, mistake, apply);
+    const wide = element("button", { textContent: "Wide", title: "More or less room for the panel" });
+    wide.addEventListener("click", () => {
+        document.querySelector("main").classList.toggle("wide");
+        dispatchEvent(new Event("resize"));
+    });
+    const bar = element("div", { className: "bar" });
+    bar.append(wide, apply);
+    box.append(text, mistake, bar);
     let given = null; // what the scene says
     let wrong = 0; // the line of the mistake
 
