@@ -41,7 +41,7 @@ def opened(
     resolution: tuple[int, int] | None = None,
 ) -> Opened:
     """Raises scrim.Error where it cannot be opened. An asset becomes the scene that `scrim render` makes of it, and a
-    stage that of one of its frames; both have no file until they are saved. Of a folder it is the first file that
+    stage one for each of its frames; both have no file until they are saved. Of a folder it is the first file that
     opens, and the others are listed. `up` and `resolution` are for assets."""
     if os.path.isdir(path):
         return _first_of(path, listed(path), frame, ocio)
@@ -73,12 +73,12 @@ def _first_of(folder: str, names: list[str], frame: int | None, ocio: str) -> Op
 
 
 def of_stage(shot: scrim.usd.Shot, frame: int, ocio: str = "", grids: Mapping[str, object] | None = None) -> Opened:
-    """A frame of a stage, with the overrides of the shot."""
-    text = shot.toml(frame)
+    """A stage from this frame on, with the overrides of the shot."""
+    text, frames = shot.toml(frame), sorted({*shot.frames, frame})
     # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
     return Opened(
-        text, "", os.path.dirname(os.path.abspath(shot.path)), shot.path, [frame], frame, os.fspath(ocio),
-        ["--ocio", os.fspath(ocio)] if ocio else [], keeps=shot, temporary=shot.folder, cameras=shot.cameras,
+        text, "", os.path.dirname(os.path.abspath(shot.path)), shot.path, frames, frame, os.fspath(ocio),
+        ["--ocio", os.fspath(ocio)] if ocio else [], text_at=shot.toml, keeps=shot, temporary=shot.folder, cameras=shot.cameras,
         grids=grids or {},
     )  # fmt: skip
 

@@ -16,7 +16,7 @@ import scrim
 
 from . import _code, _handles, _messages
 from ._controls import Control, groups_of
-from ._document import Change, Document, name_of
+from ._document import Change, Document, name_of, rounded
 from ._luts import Lut, Tables
 from ._opened import Opened
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
@@ -51,6 +51,7 @@ class Session:
         self._serial = serial
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
+        self._through: tuple | None = None  # a stage through another of its cameras, and that camera in the scene
         self._failed = ("", "")  # the scene that could not be rendered last, and why
         self.player = Player(self, opened.frames, tell, later)
         self._tables = Tables(lambda: self._show(), later)
@@ -168,9 +169,11 @@ class Session:
         name = message.get("name")
         if name not in self.opened.cameras:
             raise scrim.UsageError(f"the stage has no camera {name!r}")
-        camera = self.opened.keeps.through(name).scene(self.frame)["camera"]
+        through = self.opened.keeps.through(name)
+        camera = through.scene(self.frame)["camera"]
         self._viewpoint.free = None
         self._change([(("camera",), None), (("camera",), camera)], message)
+        self._through = (through, self.document.data["camera"])
 
     def _on_muted(self, message: Mapping) -> None:
         names = message.get("names")
@@ -181,23 +184,35 @@ class Session:
         self._update(moves=False)
 
     def _on_frame(self, message: Mapping) -> None:
-        number = _messages.whole(message.get("number"))
-        before, self.frame = self.frame, number
-        try:
-            self._read(self.document.text)
-        except scrim.Error:
-            self.frame = before
-            raise
+        self._go_to(_messages.whole(message.get("number")))
         self._update(moves=not message.get("done", True))
 
     def _on_play(self, message: Mapping) -> None:
         self.player.play(bool(message.get("on")))
         self._update(moves=False)
 
+    def _go_to(self, number: int) -> None:
+        """Reads the scene of a frame. Raises scrim.Error; the frame stays then."""
+        before, self.frame = self.frame, number
+        try:
+            if self.opened.text_at is None:
+                self._read(self.document.text)
+                return
+            base, instead = self.opened.text_at(number), {}
+            if self._through and self.document.data.get("camera") == self._through[1]:
+                instead["camera"] = rounded(self._through[0].scene(number)["camera"])
+            text = self.document.on_base(base, instead)
+            self._read(text)
+        except scrim.Error:
+            self.frame = before
+            raise
+        self.document.take_base(base, text)
+        if instead:
+            self._through = (self._through[0], self.document.data["camera"])
+
     def show_frame(self, number: int) -> bool:
         """Goes to a frame while frames are played. Whether its picture is there; otherwise it is rendered."""
-        self.frame = number
-        self._read(self.document.text)
+        self._go_to(number)
         self._wanted = self._now(moves=False)
         kept = self.player.find(self._look(), number)
         if kept is None:
