@@ -243,3 +243,20 @@ def test_an_expression_is_typed_and_applied_and_a_mistake_is_at_its_line(page_of
     page.settle()
     assert field.input_value() == "" and page.page.get_by_label("ball: code $gain, number").count() == 0
     assert numpy.abs(page.pixels() - before).max() <= 2
+
+
+def test_a_light_is_added_at_its_handle_and_removed_again(page_of):
+    page = page_of(CENTRED)
+    before = page.pixels()
+    page.page.get_by_label("Add a light").select_option("point")
+    page.page.wait_for_function("scrim.state.handles.some(({ light }) => light === 'point')")
+    page.settle()
+    lit = page.pixels()
+    assert lit[..., 1].sum() > 1.5 * before[..., 1].sum()  # the other lights are red and blue
+    assert centre(lit, 1)[0] > 0.5 and centre(lit, 1)[1] < 0.5  # from above, on the right
+    handle = page.page.get_by_label("Place light point")
+    assert handle.get_attribute("aria-pressed") == "true" and handle.bounding_box()
+    page.page.get_by_label("Remove point").click()
+    page.page.wait_for_function("scrim.state.handles.length === 2")
+    page.settle()
+    assert numpy.abs(page.pixels() - before).max() <= 2 and not page.page.evaluate("scrim.state.changed")

@@ -13,7 +13,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 
 import tomlkit
-from tomlkit.items import String, StringType, Trivia
+from tomlkit.items import Array, String, StringType, Trivia
 from scrim_kit import toml_text
 
 from .._errors import OutputError, UsageError
@@ -68,9 +68,13 @@ def _change_list(document: dict, tables: list, index: int, value: object) -> Non
     if value is None:
         del tables[index]
         return
-    table = tomlkit.table() if isinstance(document, tomlkit.TOMLDocument) else {}
-    for key, one in value.items():
-        table[key] = copy.deepcopy(one)
+    if not isinstance(document, tomlkit.TOMLDocument):
+        tables.append(copy.deepcopy(value))
+        return
+    table = tomlkit.inline_table() if isinstance(tables, Array) else tomlkit.table()
+    table.update(copy.deepcopy(value))
+    if not isinstance(tables, Array):
+        table.add(tomlkit.nl())
     tables.append(table)
 
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import scrim
 
-from . import _code, _handles, _messages
+from . import _code, _handles, _lights, _messages
 from ._controls import Control, groups_of
 from ._document import Change, Document, name_of, rounded
 from ._luts import Lut, Tables
@@ -142,6 +142,25 @@ class Session:
         """A light's handle was dragged."""
         index, x, y = self._light(message)
         self._change(_handles.moved(self.document.data, index, self._seen_from(), x, y), message)
+
+    def _on_add(self, message: Mapping) -> None:
+        """A new light."""
+        data = self.document.data
+        light = _lights.added(data, message.get("light"), self._viewpoint.pose, self._resolved["lights"])
+        self._change([(("light", len(data.get("light", []))), light)], message)
+
+    def _on_remove(self, message: Mapping) -> None:
+        """A light goes."""
+        name, lights = message.get("light"), self.document.data.get("light", [])
+        index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
+        if index is None:
+            raise scrim.UsageError(f"the scene has no light {name!r}")
+        muted, self._muted = self._muted, self._muted - {f"light.{name}"}
+        try:
+            self._change(_lights.removed(self.document.data, index), message)
+        except scrim.Error:
+            self._muted = muted
+            raise
 
     def _on_highlight(self, message: Mapping) -> None:
         """A light is to shine where the page was clicked."""

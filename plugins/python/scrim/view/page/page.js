@@ -244,7 +244,11 @@ const panel = new Panel(by("panel"), (control, value, done) => {
     if (!done) foresee(control, value);
     control.value = value;
     if (done) ++step;
-}, (names) => send({ type: "muted", names }));
+}, (names) => send({ type: "muted", names }), (light) => send({ type: "remove", light }));
+by("add-light").addEventListener("change", () => {
+    send({ type: "add", light: by("add-light").value });
+    by("add-light").value = "";
+});
 
 const handles = new Handles(by("handles"), canvas, (light, x, y, done) => {
     send({ type: "place", light, x, y, done, step: `place ${light} ${step}` });

@@ -10,11 +10,10 @@ import { element, encoded, linear, short } from "./values.js";
 const STEPS = 1000; // of a slider
 
 export class Panel {
-    /** `change(control, value, done)`: a control was moved, or let go; `mute(names)`: layers that do not shine. */
-    constructor(root, change, mute) {
-        this.root = root;
-        this.change = change;
-        this.mute = mute;
+    /** `change(control, value, done)`: a control was moved, or let go; `mute(names)`: layers that do not shine;
+        `remove(light)`: a light goes. */
+    constructor(root, change, mute, remove) {
+        Object.assign(this, { root, change, mute, remove });
         this.known = "";
         this.setters = new Map();
         this.controls = new Map(); // as the viewer said them last, with the values that were changed since
@@ -64,6 +63,10 @@ export class Panel {
         const root = element("section", { className: "group" });
         const head = root.appendChild(element("div", { className: "head" }));
         head.append(element("h2", { textContent: group.title }));
+        if (group.kind === "light") {
+            const button = head.appendChild(element("button", { textContent: "Remove", ariaLabel: `Remove ${group.name}` }));
+            button.addEventListener("click", () => this.remove(group.name));
+        }
         if (group.kind === "light" || group.kind === "ambient") {
             head.append(this.#layerButton(group, "mute", "Mute"), this.#layerButton(group, "solo", "Solo"));
         }
