@@ -29,6 +29,8 @@ BUTTONS = (
     "#count",
     "#lights",
     "#verify",
+    "#error-next",
+    "#error-regions",
 )
 KEYS = (
     "ArrowLeft",
@@ -98,7 +100,24 @@ def look(page, chance):
     page.select_option("#look", chance.choice(("picture", "depth", "transmittance")))
 
 
-ACTIONS = (drag, drag, slide, slide, press, press, click, point, look)
+def come_and_go(page, chance):
+    """Adds a light, or removes one."""
+    remove = page.locator("#panel button[aria-label^=Remove]")
+    if remove.count() > 3 or (remove.count() > 1 and chance.random() < 0.5):
+        remove.nth(chance.randrange(remove.count())).click()
+    else:
+        page.select_option("#add-light", chance.choice(("distant", "point", "sphere", "rectangle", "dome")))
+
+
+def write(page, chance):
+    """Applies an expression, which may be wrong."""
+    field = page.locator(".code textarea").first
+    page.eval_on_selector("details[data-title$=code]", "fold => (fold.open = true)")
+    field.fill(chance.choice(("", "f@density *= $gain;", "f@density *= 0.5;\nf@density += 0 * $more;", "oops;")))
+    field.press("Control+Enter")
+
+
+ACTIONS = (drag, drag, slide, slide, press, press, click, point, look, come_and_go, write)
 
 
 def plain(page):

@@ -22,7 +22,7 @@ export class Verified {
     constructor(by, picture, resolution) {
         Object.assign(this, { by, picture, resolution, pixels: [], promise: 1, isShown: false, isHidden: false, chosen: -1 });
         by("error-regions").addEventListener("change", () => this.draw());
-        by("error-next").addEventListener("click", () => this.#choose((this.chosen + 1) % this.pixels.length));
+        by("error-next").addEventListener("click", () => this.#isOn && this.#choose((this.chosen + 1) % this.pixels.length));
         by("error-hide").addEventListener("click", () => {
             this.isHidden = true;
             this.draw();
@@ -44,12 +44,15 @@ export class Verified {
         this.draw();
     }
 
+    get #isOn() {
+        return this.isShown && !this.isHidden && this.pixels.length > 0;
+    }
+
     /** Lies over the picture, with as many pixels as the screen has. */
     draw() {
-        const isOn = this.isShown && !this.isHidden && this.pixels.length > 0;
         const canvas = this.by("errors");
-        canvas.hidden = this.by("verified").hidden = !isOn;
-        if (!isOn) return;
+        canvas.hidden = this.by("verified").hidden = !this.#isOn;
+        if (!this.#isOn) return;
         const { offsetLeft, offsetTop, offsetWidth, offsetHeight } = this.picture;
         Object.assign(canvas.style, { left: `${offsetLeft}px`, top: `${offsetTop}px`, width: `${offsetWidth}px`, height: `${offsetHeight}px` });
         [canvas.width, canvas.height] = [offsetWidth, offsetHeight].map((side) => Math.round(side * devicePixelRatio));
@@ -63,7 +66,7 @@ export class Verified {
 
     /** The pointer is over a part of the picture. */
     point(x, y) {
-        if (!this.isShown || this.isHidden) return;
+        if (!this.#isOn) return;
         const [across, down] = [x * this.picture.offsetWidth, y * this.picture.offsetHeight];
         let [nearest, least] = [-1, NEAR];
         this.pixels.forEach((pixel, i) => {
