@@ -244,8 +244,14 @@ class Document:
 
     def assignments(self) -> list[str]:
         """What --set must say to make this scene of the one that was opened. Raises UsageError where --set cannot."""
-        before = dict(_values(tomlkit.parse(self._original).unwrap()))
+        original = tomlkit.parse(self._original).unwrap()
+        before = dict(_values(original))
         now = dict(_values(self.data))
+        for kind in LISTS:
+            known = [name_of(kind, i, one) for i, one in enumerate(original.get(kind, []))]
+            for index, one in enumerate(self.data.get(kind, [])):
+                if (name := name_of(kind, index, one)) not in known:
+                    raise UsageError(f"the command line cannot add '{kind}.{name}'; save the scene instead")
         gone = [path for path in before if path not in now]
         rivals = ("camera.",)  # a value of a camera replaces its rivals by itself
         lost = [path for path in gone if not path.startswith(rivals)]

@@ -27,7 +27,7 @@ class View:
 
         self.height = height
         self._door = Door()
-        self._server = Server(opened, self._door)
+        self._server = Server(lambda: opened, self._door)
         self._ready, self._problem = threading.Event(), None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._thread = threading.Thread(target=self._serve, name="scrim-view", daemon=True)

@@ -24,7 +24,8 @@ class Opened:
     are relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it;
     `others`: files beside it that the page may open; `text_at`: the scene of another frame, where each has one of its own; `keeps`: what the scene's files live as long as; `temporary`: the
     folder of those that end with it; `cameras`: paths of a stage's cameras, through which `keeps` can look; `grids`:
-    made in code, by the names of volumes."""
+    made in code, by the names of volumes; `loaded`: a shot whose volumes need not be loaded again, and which nobody uses
+    any more."""
 
     text: str
     file: str
@@ -40,6 +41,7 @@ class Opened:
     temporary: str = ""
     cameras: list[str] = field(default_factory=list)
     grids: Mapping[str, object] = field(default_factory=dict)
+    loaded: object = None
 
     def with_files(self, scene: Mapping, name: str) -> list[Change]:
         """Copies the scene's temporary files into a folder beside the scene that will have this name: what must be

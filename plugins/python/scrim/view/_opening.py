@@ -32,6 +32,11 @@ def listed(folder: str) -> list[str]:
     return found
 
 
+def takes_long(path: str) -> bool:
+    """Whether it is read as a whole before anything is known of it: an asset, which is framed."""
+    return os.path.isfile(path) and os.path.splitext(path)[1].lower() in _ASSETS
+
+
 def opened(
     path: str,
     *,
@@ -53,7 +58,7 @@ def opened(
     frames = shot.frames
     number = frame if frame is not None else frames[0]
     if shot.is_asset:
-        return Opened(shot.toml(), "", folder, path, frames, number, ocio, options)
+        return Opened(shot.toml(), "", folder, path, frames, number, ocio, options, loaded=shot)
     if up or resolution:
         raise scrim.UsageError(f"{path}: --up and --res are for assets; this scene says both itself")
     with open(path, encoding="utf-8", newline="") as file:

@@ -133,7 +133,7 @@ def _alike(pictures: Pictures, wanted: Wanted) -> bool:
 class Renderer:
     """`shown(pictures, wanted, task)` and `failed(text, wanted)` are called in this object's thread, `shown` also while a picture of
     an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in code, by the
-    names of volumes."""
+    names of volumes. `loaded`: a shot that shares what it has loaded, and that is this object's from now on."""
 
     def __init__(
         self,
@@ -143,10 +143,11 @@ class Renderer:
         shown: Callable[[Pictures, Wanted, Task], object],
         failed: Callable[[str, Wanted], object],
         grids: Mapping[str, object] | None = None,
+        loaded: scrim.Shot | None = None,
     ) -> None:
         self._given = {"folder": folder, "name": name, "ocio": ocio}
         self._shown, self._failed, self._grids = shown, failed, grids or {}
-        self._shot: scrim.Shot | None = None
+        self._shot = loaded
         self._wanted: Wanted | None = None
         self._pictures: Pictures | None = None
         self._bad: Wanted | None = None  # what cannot be rendered

@@ -64,7 +64,8 @@ class Session:
         self.view = self.displays[self.display][0]
         self._wanted = self._now(moves=False)
         self._renderer = Renderer(
-            opened.folder, self._name, opened.ocio, self._took, self._lost, opened.grids
+            opened.folder, self._name, opened.ocio, self._took, self._lost, opened.grids,
+            opened.loaded,
         )
         self._renderer.want(self._wanted)
 
