@@ -101,6 +101,9 @@ def test_a_saved_scene_keeps_comments_and_renders_the_viewers_picture_bit_for_bi
     assert numpy.array_equal(rgba(tmp_path / "viewer.exr"), rgba(tmp_path / "program.exr"))
     assert browser.state["changed"] is False and not browser.errors
     browser.close()
+    viewer.process.send_signal(signal.SIGINT)
+    assert viewer.process.wait(PATIENCE) == 128 + signal.SIGINT
+    assert viewer.process.stderr.read() == ""  # nothing is left over either
 
 
 def test_the_command_line_renders_the_viewers_picture_bit_for_bit(view, tmp_path):

@@ -124,7 +124,7 @@ def apply(page, code):
     field.press("Control+Enter")
 
 
-ACTIONS = (drag, drag, slide, slide, press, press, click, point, look, come_and_go, write)
+ACTIONS = 3 * (drag, drag, slide, slide, press, press, click, point, look) + (come_and_go, write)
 
 
 def plain(page):

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import functools
+import gc
 import importlib
 import logging
 import os
@@ -97,7 +98,9 @@ def _view(words: list[str] | None) -> int:
     _invite(door.url, not given.no_browser)
     from ._server import Server
 
-    return asyncio.run(_serve(Server(opening, door)))
+    status = asyncio.run(_serve(Server(opening, door)))
+    gc.collect()  # while the module that made the pictures is there
+    return status
 
 
 def main(words: list[str] | None = None) -> int:

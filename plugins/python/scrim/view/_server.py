@@ -98,6 +98,7 @@ class Server:
             await http.close_all_connections()
             if self.session is not None:
                 self.session.close()
+            self.session = self._opened = None
         return self.status
 
     async def _open(self) -> bool:

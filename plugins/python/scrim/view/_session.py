@@ -73,6 +73,7 @@ class Session:
         """Ends it: browsers hear nothing more of it."""
         self._tell = self._show = lambda *_: None
         self._renderer.stop()
+        self._tables.close()
 
     # ---- what browsers ask for
 
