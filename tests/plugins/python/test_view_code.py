@@ -89,7 +89,8 @@ def test_a_parameter_that_is_used_is_a_slider_and_a_sources_own_is_none():
 @pytest.mark.parametrize("quote", ["'''", '"""'])
 def test_a_mistake_is_at_its_line_and_column_of_the_expression(quote, tmp_path):
     two = CODE.replace("'''", quote) + '[[volume]]\nname = "second"\nsource = "primitives"\n'
-    two += f'parameters = {{ shapes = "sphere radius=1", resolution = 8 }}\nax = {quote}f@density = 1;\n  oops();{quote}\n'
+    two += 'parameters = { shapes = "sphere radius=1", resolution = 8 }\n'
+    two += f"ax = {quote}f@density = 1;\n  oops();{quote}\n"
     broken = two.replace("f@density *= n;", "f@density *= m;")
     for text, volume, line, column in ((broken, "ball", 2, 14), (two, "second", 2, 3)):
         (tmp_path / "a.toml").write_text(text)

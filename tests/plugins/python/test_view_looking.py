@@ -227,6 +227,8 @@ def test_an_expression_is_typed_and_applied_and_a_mistake_is_at_its_line(page_of
     field.press("Control+Enter")
     page.page.wait_for_function("document.querySelector('.code .wrong')?.textContent.trim() === '2'", timeout=PATIENCE)
     assert page.page.locator(".code .mistake").inner_text().startswith("Line 2, column ")
+    assert page.page.locator("#status").inner_text().startswith("the code has a mistake")
+    assert field.evaluate("field => field === document.activeElement")  # though its slider came meanwhile
     assert field.get_attribute("aria-invalid") == "true"
     field.fill("float n = 0.002 * $gain;\nf@density *= n;")
     page.page.get_by_label("Apply ball: code code").click()
@@ -237,7 +239,12 @@ def test_an_expression_is_typed_and_applied_and_a_mistake_is_at_its_line(page_of
     page.slide("ball: code $gain, number", 500)  # which the expression brought, and which makes it what it was
     page.settle()
     assert numpy.abs(page.pixels() - before).max() <= 2
-    for _ in range(3):  # the slider and both expressions
+    field.fill("// not yet")
+    page.page.get_by_label("Add a light").select_option("dome")  # which makes the panel anew
+    page.page.get_by_label("Remove dome").click()
+    page.page.wait_for_function("scrim.state.groups.filter(({ kind }) => kind === 'light').length === 2")
+    assert field.input_value() == "// not yet"
+    for _ in range(5):  # the light, the slider and both expressions
         page.page.click("#undo")
     page.page.wait_for_function("!scrim.state.changed")
     page.settle()

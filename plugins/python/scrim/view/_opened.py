@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 class Opened:
     """What is looked at. `text`: the scene; `file`: its own file, "" where it has none yet; `folder`: what its paths
     are relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it;
-    `others`: files beside it that the page may open; `text_at`: the scene of another frame, where each has one of its own; `keeps`: what the scene's files live as long as; `temporary`: the
-    folder of those that end with it; `cameras`: paths of a stage's cameras, through which `keeps` can look; `grids`:
-    made in code, by the names of volumes; `loaded`: a shot whose volumes need not be loaded again, and which nobody uses
-    any more."""
+    `others`: files beside it that the page may open; `text_at`: the scene of another frame, where each has one of its
+    own; `keeps`: what the scene's files live as long as; `temporary`: the folder of those that end with it; `cameras`:
+    paths of a stage's cameras, through which `keeps` can look; `grids`: made in code, by the names of volumes;
+    `loaded`: a shot whose volumes need not be loaded again, and which nobody uses any more."""
 
     text: str
     file: str

@@ -83,8 +83,8 @@ def of_stage(shot: scrim.usd.Shot, frame: int, ocio: str = "", grids: Mapping[st
     # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
     return Opened(
         text, "", os.path.dirname(os.path.abspath(shot.path)), shot.path, frames, frame, os.fspath(ocio),
-        ["--ocio", os.fspath(ocio)] if ocio else [], text_at=shot.toml, keeps=shot, temporary=shot.folder, cameras=shot.cameras,
-        grids=grids or {},
+        ["--ocio", os.fspath(ocio)] if ocio else [], text_at=shot.toml, keeps=shot, temporary=shot.folder,
+        cameras=shot.cameras, grids=grids or {},
     )  # fmt: skip
 
 

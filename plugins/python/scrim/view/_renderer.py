@@ -131,9 +131,9 @@ def _alike(pictures: Pictures, wanted: Wanted) -> bool:
 
 
 class Renderer:
-    """`shown(pictures, wanted, task)` and `failed(text, wanted)` are called in this object's thread, `shown` also while a picture of
-    an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in code, by the
-    names of volumes. `loaded`: a shot that shares what it has loaded, and that is this object's from now on."""
+    """`shown(pictures, wanted, task)` and `failed(text, wanted)` are called in this object's thread, `shown` also while
+    a picture of an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in
+    code, by the names of volumes. `loaded`: a shot that shares what it has loaded, and that is this object's from now on."""
 
     def __init__(
         self,

@@ -6,6 +6,7 @@ import { element } from "./values.js";
 
 const ROWS = [4, 24]; // the fewest and the most lines that are seen at once
 let fields = 0;
+const drafts = new Map(); // control -> what is written and not applied yet, and what the scene said then
 
 export function code(control, label, change) {
     const box = element("div", { className: "code" });
@@ -39,7 +40,11 @@ export function code(control, label, change) {
         apply.disabled = field.value === given;
     };
     const give = () => field.value !== given && change(field.value, true);
-    field.addEventListener("input", number);
+    field.addEventListener("input", () => {
+        if (field.value === given) drafts.delete(control.id);
+        else drafts.set(control.id, { base: given, text: field.value });
+        number();
+    });
     field.addEventListener("scroll", () => (numbers.scrollTop = field.scrollTop));
     field.addEventListener("keydown", (event) => {
         if (event.key !== "Enter" || !(event.ctrlKey || event.metaKey)) return;
@@ -49,7 +54,14 @@ export function code(control, label, change) {
     apply.addEventListener("click", give);
     const set = (now) => {
         // What is being written stays, unless the scene has got another expression meanwhile.
-        if (now.value !== given && field.value !== now.value) field.value = now.value;
+        const draft = drafts.get(control.id);
+        const text = draft?.base === now.value ? draft.text : now.value;
+        if (draft?.base !== now.value) drafts.delete(control.id);
+        if (field.value !== text) {
+            const { selectionStart: from, selectionEnd: to } = field;
+            field.value = text;
+            field.setSelectionRange(from, to);
+        }
         given = now.value;
         wrong = now.mistake?.line ?? 0;
         field.setAttribute("aria-invalid", String(wrong > 0));

@@ -151,6 +151,8 @@ function showState(message) {
     by("redo").disabled = !state.redo;
     by("save").disabled = !state.file || !state.changed;
     by("keep-view").disabled = by("scene-camera").disabled = !state.free;
+    const isWrong = state.groups.some(({ controls }) => controls.some(({ mistake }) => mistake));
+    if (isWrong) by("status").textContent = "the code has a mistake: the last picture";
     if (state.message) by("status").textContent = state.message;
     fillViews();
     by("open").hidden = !state.others.length;

@@ -29,7 +29,9 @@ export class Panel {
             this.setters.clear();
             this.layers = groups.filter((g) => g.kind === "light" || g.kind === "ambient").map(layerOf);
             const open = new Map([...this.root.querySelectorAll("details")].map((one) => [one.dataset.title, one.open]));
+            const used = this.root.contains(document.activeElement) ? document.activeElement : null;
             this.root.replaceChildren(...groups.map((group) => this.#group(group, open)));
+            this.used = used;
         }
         for (const group of groups) {
             for (const control of group.controls) {
@@ -37,11 +39,21 @@ export class Panel {
                 this.setters.get(control.id)?.(control);
             }
         }
+        this.#goOn();
         for (const button of this.root.querySelectorAll("button[data-layer]")) {
             const name = button.dataset.layer;
             const isOn = button.dataset.does === "mute" ? this.muted.has(name) : this.solo === name;
             button.setAttribute("aria-pressed", String(isOn));
         }
+    }
+
+    /** Goes on with the element that was in use before all of them were made anew. */
+    #goOn() {
+        const label = this.used?.ariaLabel;
+        const same = label && [...this.root.querySelectorAll("[aria-label]")].find((one) => one.ariaLabel === label);
+        if (same) same.focus({ preventScroll: true });
+        if (same?.matches("textarea")) same.setSelectionRange(this.used.selectionStart, this.used.selectionEnd);
+        this.used = null;
     }
 
     /** Leaves all other layers out, or takes them in again. */
