@@ -51,6 +51,25 @@ std::optional<double> errorOf(const ShotFrame& frame) {
     return verification ? std::optional(verification->error) : std::nullopt;
 }
 
+/// The pixels that were compared with brute force, as arrays; None where there are none.
+nb::object examinedOf(const ShotFrame& frame) {
+    const auto& verification = frame.report().verification;
+    if (!verification) return nb::none();
+    const std::vector<ExaminedPixel>& all = verification->examined;
+    const nb::object array = nb::module_::import_("numpy").attr("array");
+    const auto made = [&](const char* type, std::size_t width, const auto& rowOf) {
+        nb::list rows;
+        for (const ExaminedPixel& pixel : all) rows.append(rowOf(pixel));
+        return array(rows, type).attr("reshape")(all.size(), width);
+    };
+    const auto rgba = [](const std::array<double, 4>& v) { return nb::make_tuple(v[0], v[1], v[2], v[3]); };
+    nb::dict out;
+    out["place"] = made("int32", 2, [](const ExaminedPixel& p) { return nb::make_tuple(p.x, p.y); });
+    out["picture"] = made("float64", 4, [&](const ExaminedPixel& p) { return rgba(p.rendered); });
+    out["truth"] = made("float64", 4, [&](const ExaminedPixel& p) { return rgba(p.reference); });
+    return out;
+}
+
 void requireAccuracy(const ShotFrame& frame) {
     const ShotReport& r = frame.report();
     const auto text = [](double number) { return nb::cast<std::string>(nb::str("{:.3g}").attr("format")(number)); };
@@ -104,6 +123,12 @@ they keep; they cannot be written to: copy what you want to change.)")
         .def_prop_ro("error", &errorOf,
                      "Relative RMSE against brute force, where the frame was rendered with `verify` or a tolerance; "
                      "else None. `stats['verification']` has its 95 % interval and the worst pixel.")
+        .def_prop_ro("examined", &examinedOf,
+                     nb::sig("def examined(self) -> dict[str, numpy.typing.NDArray[typing.Any]] | None"),
+                     "The pixels that counted in a verification, in the order in which they were drawn: 'place' (n, "
+                     "2), x and y in "
+                     "the display window; 'picture' and 'truth' (n, 4), premultiplied R, G, B, A in the working space. "
+                     "None where the frame was not verified.")
         .def(
             "require_accuracy", &requireAccuracy,
             "Raises AccuracyError where the frame's tolerance, or the convergence of scattered light, was not reached.")

@@ -8,6 +8,7 @@
 #include <scrim/study/shot_study.h>
 #include <scrim/study/study_data.h>
 #include <scrim/study/study_page.h>
+#include <scrim/volume/grid_edit.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -136,6 +137,32 @@ void setVolume(const ShotObject& object, const std::string& name, nb::handle gri
                                           "'; there is " + choices(names));
     if (all.empty()) throw Error(ErrorKind::usage, "volume '" + name + "': expected at least one grid");
     busy.shot().setVolume(name, std::move(all));
+}
+
+void set(const ShotObject& object, nb::handle overrides) {
+    const std::vector<std::string> more = assignmentsOf(overrides);
+    const Busy busy(object.state, "its values");
+    doAndWait([&](Work&) { busy.shot().set(more); });
+}
+
+/// The expressions of a volume, and the values of its parameters at the frame at which the scene was read: those of a
+/// source as text.
+nb::tuple codeOf(const ShotObject& object, const std::string& name) {
+    std::string code;
+    nb::dict values;
+    for (const SceneVolume& volume : object.shot().opened().volumes) {
+        if (volume.name != name) continue;
+        for (const auto& [key, value] : volume.parameters) values[key.c_str()] = value;
+        if (!volume.edit) break;
+        for (const AxCode& program : volume.edit->programs) code += program.text;
+        for (const AxVariable& variable : volume.edit->variables) {
+            if (variable.value.size() == 1)
+                values[variable.name.c_str()] = variable.value.front();
+            else
+                values[variable.name.c_str()] = nb::cast(variable.value);
+        }
+    }
+    return nb::make_tuple(code, values);
 }
 
 void writeStudy(const std::string& folder, const Study& study, const std::string& name, const Shot& shot) {
@@ -290,12 +317,21 @@ one thing at a time; different shots are independent.)");
             "The frames for which its sequences have files, ascending; [1] without sequences.")
         .def_prop_ro(
             "volumes",
-            [](const ShotObject& s) {
-                std::vector<std::string> names;
-                for (const SceneVolume& volume : s.shot().opened().volumes) names.push_back(volume.name);
-                return names;
+            [](nb::handle self) {
+                nb::list names;
+                for (const SceneVolume& volume : nb::cast<const ShotObject&>(self).shot().opened().volumes)
+                    names.append(volume.name);
+                return nb::module_::import_("scrim._volumes").attr("Volumes")(self, names);
             },
-            "Names of its volumes.")
+            nb::sig("def volumes(self) -> scrim._volumes.Volumes"),
+            "Names of its volumes; `volumes['smoke']` is one of them, whose `ax` and `parameters` can be set.")
+        .def(
+            "set", &set, nb::arg("overrides"),
+            nb::sig("def set(self, overrides: collections.abc.Mapping[str, object] | collections.abc.Sequence[str]) -> "
+                    "None"),
+            "Overrides more values, as those of `open`, in all frames from now on. Raises InputError where the scene "
+            "would be wrong then; it stays as it was.")
+        .def("_code", &codeOf, nb::arg("name"))
         .def("toml", &tomlOf, nb::arg("overrides") = nb::none(),
              nb::sig("def toml(self, overrides: collections.abc.Mapping[str, object] | collections.abc.Sequence[str] | "
                      "None = "

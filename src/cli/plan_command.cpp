@@ -38,6 +38,11 @@ Json outputsOf(const SceneInput& input, int frame) {
 PlannedFrame planFrame(SceneInput& input, int frame, RenderOptions options) {
     double tolerance = 0;
     std::string quality;
+    Json said = Json::array();
+    options.messages = [&said, sink = options.messages](Severity severity, const std::string& text) {
+        said.push_back(text);
+        notify(sink, severity, text);
+    };
     options.change = [&](Scene& scene) {
         input.change(scene);
         tolerance = scene.tolerance;
@@ -50,6 +55,7 @@ PlannedFrame planFrame(SceneInput& input, int frame, RenderOptions options) {
                     {"frame", frame},
                     {"field_bytes", plan.fieldBytes},
                     {"outputs", outputsOf(input, frame)},
+                    {"messages", said},
                     {"plan", Json::parse(plan.json)}};
     planned.text = fmt::format("{}, frame {}\n{}{:<23} {}\n", input.name(), frame, plan.table, "memory of the fields",
                                bytesText(plan.fieldBytes));

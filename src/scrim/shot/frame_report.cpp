@@ -52,6 +52,7 @@ Json verificationJson(const VerificationReport& v) {
             {"alpha_error", v.alphaError},
             {"lower", v.lower},
             {"upper", v.upper},
+            {"mean", v.mean},
             {"bias", v.bias},
             {"worst", v.worst},
             {"worst_pixel", {v.worstX, v.worstY}}};
@@ -98,20 +99,22 @@ Json parsed(const std::string& text) {
 
 }  // namespace
 
-VerificationReport reportOf(const Verification& v, bool outOfTime) {
+VerificationReport reportOf(const Verification& v, const PixelSample& sample) {
     VerificationReport report;
     report.pixels = v.pixels;
     report.looked = v.looked;
     report.complete = v.complete;
-    report.outOfTime = outOfTime;
+    report.outOfTime = sample.outOfTime;
     report.error = v.error;
     report.lower = v.lower;
     report.upper = v.upper;
     report.alphaError = v.alphaError;
+    report.mean = v.mean;
     report.bias = v.bias;
     report.worst = v.worst;
     report.worstX = v.worstX;
     report.worstY = v.worstY;
+    for (const VerifiedPixel& p : countedPixels(sample)) report.examined.push_back({p.x, p.y, p.rendered, p.reference});
     return report;
 }
 

@@ -11,7 +11,7 @@
 
 namespace scrim {
 
-VerificationReport reportOf(const Verification& verification, bool outOfTime);
+VerificationReport reportOf(const Verification& verification, const PixelSample& sample);
 
 /// Counts of work as one compact JSON object. They are the same in every run, and so are pictures that contain them.
 std::string workAsJson(const RenderWork& work);

@@ -170,7 +170,7 @@ Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
         sampling.progress = partOf(progress, rendered, 1);
         sampling.announce = m_options.announce;
         const PixelSample sample = timed(seconds.verify, [&] { return samplePixels(truth, frame.image, sampling); });
-        m_report.verification = reportOf(summarise(sample), sample.outOfTime);
+        m_report.verification = reportOf(summarise(sample), sample);
     }
     return frame;
 }
@@ -195,7 +195,7 @@ Frame FrameRender::renderTolerance(const ViewScene& view, const ViewScene& truth
     m_report.seconds.plan += result.seconds.pilots + result.seconds.plan;
     m_report.seconds.render += result.seconds.render;
     m_report.seconds.verify += result.seconds.verify;
-    m_report.verification = reportOf(result.verification, result.outOfTime);
+    m_report.verification = reportOf(result.verification, result.sample);
     m_report.tolerance = {options.tolerance, result.predicted, result.dials.texel, result.dials.sheetThickness,
                           result.bound,      result.attempts,  result.met};
     return std::move(result.frame);

@@ -324,6 +324,18 @@ void Shot::previewFromPicture(int frame, const RenderOptions& options) {
     });
 }
 
+void Shot::set(const std::vector<std::string>& overrides) {
+    Content& content = *m_content;
+    if (!content.text) throw Error(ErrorKind::usage, fmt::format("{}: the scene was built in code", content.path));
+    withErrors([&] {
+        ShotText changed = *content.text;
+        changed.add(overrides);
+        content.opened = changed.at(static_cast<int>(content.opened.frame), content.stores->colour);
+        content.text = std::move(changed);
+        content.promised.reset();
+    });
+}
+
 void Shot::setVolume(const std::string& name, std::vector<SparseField> grids) {
     m_content->stores->fields.setGrids(name, std::move(grids));
 }

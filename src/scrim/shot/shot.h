@@ -66,6 +66,10 @@ class Shot {
     /// asset.
     std::string toml(const std::vector<std::string>& more = {}, const RenderOptions& options = {});
 
+    /// Overrides more values of the text from now on, as `open` does. Where the scene would be wrong then, throws
+    /// Error(input), and changes nothing.
+    void set(const std::vector<std::string>& overrides);
+
     /// Gives the volume called `name` grids that were made in code, in place of those of a file or source. The scene
     /// chooses among them by their names.
     void setVolume(const std::string& name, std::vector<SparseField> grids);

@@ -7,6 +7,7 @@
 #include <scrim/image/image.h>
 #include <scrim/scene/scene.h>
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -32,6 +33,12 @@ struct ShotTimes {
     double total() const { return load + plan + render + verify + write; }
 };
 
+/// A pixel that was compared with the brute-force reference: premultiplied RGBA in the working space.
+struct ExaminedPixel {
+    int x = 0, y = 0;  ///< in the display window
+    std::array<double, 4> rendered{}, reference{};
+};
+
 /// A comparison with the brute-force reference. Errors are relative RMSE over R, G and B.
 struct VerificationReport {
     int pixels = 0;          ///< pixels that counted because they show something
@@ -41,9 +48,11 @@ struct VerificationReport {
     double error = 0;
     double lower = 0, upper = 0;  ///< 95 % confidence interval of `error`
     double alphaError = 0;
-    double bias = 0;             ///< mean difference over mean reference
-    double worst = 0;            ///< RMS difference of one pixel over the mean reference
-    int worstX = 0, worstY = 0;  ///< that pixel
+    double mean = 0;                      ///< of the reference over R, G and B, which errors of colour are relative to
+    double bias = 0;                      ///< mean difference over mean reference
+    double worst = 0;                     ///< RMS difference of one pixel over the mean reference
+    int worstX = 0, worstY = 0;           ///< that pixel
+    std::vector<ExaminedPixel> examined;  ///< those that counted, in the order in which they were drawn
 };
 
 /// The outcome of a tolerance.

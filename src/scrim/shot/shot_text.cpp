@@ -64,10 +64,17 @@ void ShotText::give(const std::vector<std::string>& overrides, const OpenOptions
         if (const auto& resolution = options.resolution)
             m_given.push_back(fmt::format("camera.resolution=[{}, {}]", resolution->x, resolution->y));
     }
+    add(overrides);
+}
+
+void ShotText::add(const std::vector<std::string>& overrides) {
     constexpr std::string_view kWindow = ".classified.window=";
-    for (const std::string& assignment : overrides)
-        if (const std::size_t at = assignment.find(kWindow); at < assignment.find('='))
-            m_asAsset.window = assignment.substr(at + kWindow.size());
+    for (const std::string& assignment : overrides) {
+        const std::size_t at = assignment.find(kWindow);
+        if (!(at < assignment.find('='))) continue;
+        m_asAsset.window = assignment.substr(at + kWindow.size());
+        m_framed = false;
+    }
     m_given.insert(m_given.end(), overrides.begin(), overrides.end());
     applyTurntable();
 }

@@ -25,6 +25,9 @@ class ShotText {
     const std::string& path() const { return m_path; }
     bool isAsset() const { return m_asset; }
 
+    /// Adds overrides to those of the caller. Throws Error(input).
+    void add(const std::vector<std::string>& overrides);
+
     /// Frames an asset unless that has been done, and loads it into `store` for this.
     void frameAsset(FieldStore& store, const MessageSink& messages);
 

@@ -165,15 +165,14 @@ ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth
         sampling.seconds = options.seconds;
         sampling.progress = partOf(options.progress, rendered, to);
         if (attempt == 0) sampling.announce = options.announce;
-        PixelSample sample;
+        PixelSample& sample = out.sample;
         timed(out.seconds.verify, [&] { sample = samplePixels(truth, out.frame.image, sampling); });
         out.verification = summarise(sample);
-        out.outOfTime = sample.outOfTime;
         const Verification doubted = summarise(sample, 1 - 2 * kDoubt / options.attempts);
         out.bound = std::max(doubted.upper, doubted.alphaUpper);
         const bool looked = out.verification.pixels > 0 || out.verification.complete || sample.candidates == 0;
         out.met = looked && out.bound <= options.tolerance;
-        if (out.met || out.outOfTime || !looked || !std::isfinite(out.bound)) break;
+        if (out.met || sample.outOfTime || !looked || !std::isfinite(out.bound)) break;
         const double error = std::max(out.verification.error, out.verification.alphaError);
         model = scaled(model, error / std::max(out.predicted, 1e-9));
         wanted = options.tolerance * std::min(1.0, kWidthAllowed * error / out.bound);

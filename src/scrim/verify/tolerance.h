@@ -79,9 +79,9 @@ struct ToleranceResult {
     /// Both the error and that of alpha are below this, each with a confidence of 97.5 %, however many attempts were
     /// made: every attempt takes a share of the remaining 2.5 %.
     double bound = 0;
-    bool outOfTime = false;  ///< the verification ended early
-    int attempts = 0;        ///< renders
-    bool met = false;        ///< bound <= tolerance; for a picture with nothing in it: all of it was examined
+    PixelSample sample;  ///< the pixels of that verification
+    int attempts = 0;    ///< renders
+    bool met = false;    ///< bound <= tolerance; for a picture with nothing in it: all of it was examined
     struct {
         double pilots = 0, plan = 0, render = 0, verify = 0;
     } seconds;

@@ -240,6 +240,14 @@ PixelSample samplePixels(const ViewScene& truth, const Image& image, const Sampl
     return sample;
 }
 
+std::vector<VerifiedPixel> countedPixels(const PixelSample& sample) {
+    const double brightest = brightestOf(sample.pixels);
+    std::vector<VerifiedPixel> out;
+    std::copy_if(sample.pixels.begin(), sample.pixels.end(), std::back_inserter(out),
+                 [&](const VerifiedPixel& p) { return counts(p, brightest); });
+    return out;
+}
+
 PixelSample samplePixels(const ViewScene& truth, const Image& image, int count, unsigned seed,
                          const ProgressSink& progress) {
     SampleOptions options;

@@ -77,6 +77,9 @@ void evaluateReferences(const ViewScene& truth, std::span<VerifiedPixel> pixels,
 /// Fills in the values of `image`, another rendering of the same region.
 void setRendered(std::span<VerifiedPixel> pixels, const Image& image);
 
+/// The pixels of a sample that count (see Verification), in its order.
+std::vector<VerifiedPixel> countedPixels(const PixelSample& sample);
+
 /// `confidence` is that of the interval; its error is split evenly between both ends.
 Verification summarise(const PixelSample& sample, double confidence = 0.95);
 /// The same for pixels that are few among many.

@@ -149,3 +149,17 @@ def test_a_missing_file_stops_blackens_or_skips(tmp_path):
     assert math.isclose(shot.render(3, missing="black").image.sum(), 0)
     with pytest.raises(scrim.UsageError, match="^missing='none': expected 'error', 'black' or 'skip'$"):
         shot.render(3, missing="none")
+
+
+def test_examined_pixels_make_the_error_of_the_verification(smoke):
+    frame = scrim.open(smoke).render(verify=150)
+    place, picture, truth = (frame.examined[name] for name in ("place", "picture", "truth"))
+    stats = frame.stats["verification"]
+    assert len(place) == stats["pixels"] >= 150 and place.shape[1] == 2 and truth.shape == picture.shape
+    assert numpy.array_equal(picture.astype(numpy.float32), frame.image[place[:, 1], place[:, 0]])
+    both = numpy.maximum(picture, truth)  # those count that show something
+    assert ((both[:, 3] > 1e-3) | (both[:, :3].max(axis=1) > 1e-3 * truth[:, :3].max())).all()
+    assert truth[:, :3].mean() == pytest.approx(stats["mean"], rel=1e-12)
+    off = (picture - truth)[:, :3]
+    assert numpy.sqrt((off**2).mean()) / stats["mean"] == pytest.approx(frame.error, rel=1e-9)
+    assert scrim.open(smoke).render().examined is None

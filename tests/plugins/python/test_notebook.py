@@ -81,7 +81,7 @@ def test_a_shot_is_shown_in_a_cell_and_changed_there(notebook, smoke):
     browser.send(type="set", id="light.key.intensity", value=9.0, done=True)
     browser.until_exact()
     browser.close()
-    _, text = run(client, "print(shown.toml); shown.close()")
+    _, text = run(client, "shown.close(); print(shown.toml)")
     assert "intensity = 9.0" in text
     with pytest.raises(OSError):
         door.get()

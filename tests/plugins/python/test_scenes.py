@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Opening scenes: files, text, dicts, overrides; plans and studies."""
 
+import math
 import tomllib
 from pathlib import Path
 
@@ -148,3 +149,58 @@ def test_an_asset_is_framed_and_lit(tmp_path, program):
     shot = scrim.open(tmp_path / "a.vdb", resolution=(40, 30))
     assert shot.is_asset and shot.render().image[:, :, 3].max() > 0.1
     assert tomllib.loads(shot.toml())["camera"]["resolution"] == [40, 30]
+
+
+# A slab of 16 units: its optical depth is what the expression says times 0.8.
+BOX = {
+    "camera": SLAB["camera"],
+    "volume": [
+        {
+            "name": "fog",
+            "source": "primitives",
+            "parameters": {"shapes": "box size=30,30,16", "voxel": 1.0, "gain": 1.0},
+            "ax": "f@density = $gain;",
+            "density": {"scale": 0.05},
+        }
+    ],
+    "light": SLAB["light"],
+}
+
+
+def depth_of(shot):
+    return -math.log(1 - shot.render().image[16, 16, 3])
+
+
+def test_expressions_and_parameters_of_a_volume_can_be_set_and_change_the_picture():
+    shot = scrim.loads(BOX)
+    fog = shot.volumes["fog"]
+    assert depth_of(shot) == pytest.approx(0.8, rel=1e-5) and fog.ax == "f@density = $gain;"
+    assert dict(fog.parameters) == {"shapes": "box size=30,30,16", "voxel": "1", "gain": 1.0}
+    fog.parameters["gain"] = 2
+    assert depth_of(shot) == pytest.approx(1.6, rel=1e-5) and fog.parameters["gain"] == 2
+    fog.ax = "f@density = $gain * 0.25;   // 'a' \"b\"\n"
+    assert depth_of(shot) == pytest.approx(0.4, rel=1e-5)
+    assert tomllib.loads(shot.toml())["volume"][0]["ax"] == fog.ax == "f@density = $gain * 0.25;   // 'a' \"b\"\n"
+    fog.ax = "f@density = 3;"
+    fog.parameters = {"shapes": "box size=30,30,16", "voxel": 2.0}
+    assert depth_of(shot) == pytest.approx(2.4, rel=1e-5) and "gain" not in fog.parameters
+    assert shot.volumes == ["fog"] and shot.volumes[0] == "fog" and "fog" in shot.volumes
+    shot.set({"camera.height": 12.0, "light.key.intensity": 0.0})
+    assert shot.resolved()["camera"]["height"] == 12 and shot.render().image[..., :3].max() == 0
+
+
+def test_what_is_set_badly_is_refused_where_it_is_said_and_changes_nothing():
+    shot = scrim.loads(BOX)
+    before = shot.toml()
+    with pytest.raises(scrim.UsageError, match="^scene: there is no volume 'smoke'; there is 'fog'$"):
+        shot.volumes["smoke"].ax = ""
+    with pytest.raises(scrim.InputError, match="^--set camera.height: 'height' is -1"):
+        shot.set({"camera.height": -1.0})
+    with pytest.raises(scrim.InputError, match="^--set volume.fog.parameters.gain: 'gain' is a list of 2"):
+        shot.volumes["fog"].parameters["gain"] = [1.0, 2.0]
+    with pytest.raises(scrim.InputError, match="^--set volume.fog.ax: 'ax' is 3; expected a string"):
+        shot.volumes["fog"].ax = 3
+    assert shot.toml() == before and depth_of(shot) == pytest.approx(0.8, rel=1e-5)
+    shot.volumes["fog"].ax = "f@density = $gain *\n  nothing;"
+    with pytest.raises(scrim.InputError, match="^--set volume.fog.ax: line 2, column 3: "):
+        shot.render()

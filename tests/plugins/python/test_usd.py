@@ -147,6 +147,20 @@ def test_value_clips_name_the_files(foggy):
     assert depths == pytest.approx([TAU, 2 * TAU], rel=0.01)
 
 
+def test_an_expression_is_set_for_all_frames_of_a_stage(foggy):
+    UsdGeom.Xformable(foggy.stage.GetPrimAtPath("/fog")).AddTranslateOp(opSuffix="a").GetAttr().Set((0, 0, 1), 2)
+    shot = foggy.open()
+    shot.volumes["fog"].ax = "f@density *= $gain;"
+    shot.volumes["fog"].parameters = {"gain": 2.0}
+    depths = [-math.log(1 - alpha(shot.render(n))[8, 8]) for n in (1, 2)]
+    assert depths == pytest.approx([2 * TAU, 2 * TAU], rel=0.01)
+    shot.volumes["fog"].parameters["gain"] = 0.5
+    assert -math.log(1 - alpha(shot.render(2))[8, 8]) == pytest.approx(0.5 * TAU, rel=0.01)
+    with pytest.raises(scrim.InputError, match="^--set camera.nothing: "):
+        shot.set({"camera.nothing": 1})
+    assert -math.log(1 - alpha(shot.render(1))[8, 8]) == pytest.approx(0.5 * TAU, rel=0.01)
+
+
 def test_instances_are_where_they_are(foggy):
     stage = foggy.stage
     instancer = UsdGeom.PointInstancer.Define(stage, "/many")

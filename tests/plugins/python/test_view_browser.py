@@ -6,7 +6,9 @@ import math
 import numpy
 import OpenImageIO
 import pytest
-from browsing import PATIENCE, PLACE, chromium, middle, needs_chromium, opened, page_of  # noqa: F401
+from browsing import BALL, PATIENCE, PLACE, chromium, middle, needs_chromium, opened, page_of  # noqa: F401
+
+import scrim
 
 pytestmark = needs_chromium
 
@@ -119,3 +121,72 @@ def test_a_lost_connection_comes_back_with_the_newest_picture(opened):
     opened.page.wait_for_function("scrim.state.changed")
     opened.settle()
     assert opened.pixels()[..., 0].max() < 160
+
+
+def test_verified_pixels_lie_on_the_picture_in_the_colours_of_their_errors(page_of, tmp_path):
+    page = page_of(BALL + '[render]\nquality = "draft"\n')
+    before = page.pixels()
+    page.page.click("#verify")
+    page.page.wait_for_function("!document.getElementById('verified').hidden", timeout=PATIENCE)
+    shown = page.page.locator("#picture")
+    path = str(tmp_path / "errors.png")
+    shown.screenshot(path=path, style="#handles, #verified { display: none }")
+    errors = OpenImageIO.ImageBuf(path).get_pixels(OpenImageIO.UINT8)[..., :3].astype(float)
+    frame = scrim.open(tmp_path / "ball.toml").render(verify=400)
+    place, off = frame.examined["place"], frame.examined["picture"] - frame.examined["truth"]
+    error = numpy.sqrt((off[:, :3] ** 2).mean(axis=1)) / frame.stats["verification"]["mean"]
+    times = error / 0.03  # what a draft of a medium promises
+    assert times.min() < 0.25 and times.max() > 1
+    # Marks that no worse one covers have their colours: those of the scale, evenly by factors from 1/4 to 4.
+    scale = numpy.array([[106, 155, 255], [80, 216, 232], [96, 216, 96], [240, 208, 64], [255, 106, 80]], float)
+    height, width = errors.shape[:2]
+    checked = 0
+    for index, (x, y) in enumerate(place):
+        at = numpy.array([(x + 0.5) / 256 * width, (y + 0.5) / 192 * height])
+        others = (place + 0.5) / (256, 192) * (width, height) - at
+        if ((numpy.abs(others).max(axis=1) < 10) & (error >= error[index])).sum() > 1:  # itself is one
+            continue
+        position = numpy.clip(2 + numpy.log2(max(times[index], 1e-9)), 0, 4)
+        wanted = [numpy.interp(position, range(5), scale[:, channel]) for channel in range(3)]
+        assert numpy.abs(errors[int(at[1]), int(at[0])] - wanted).max() <= 3, (x, y, times[index])
+        checked += 1
+    assert checked > 20
+    # The worst pixel, by its key, has its values.
+    page.page.keyboard.press("n")
+    worst = int(numpy.argmax(error))
+    text = page.page.locator("#error-value").inner_text()
+    assert text.startswith(f"{place[worst][0]}, {place[worst][1]}: error ")
+    assert float(text.split("error ")[1].split(" %")[0]) == pytest.approx(100 * error[worst], rel=0.006)
+    truth = [float(word) for word in text.splitlines()[2].split()[1:]]
+    assert truth == pytest.approx(list(frame.examined["truth"][worst][:3]), rel=0.006, abs=1e-6)
+    # So does the one under the pointer.
+    box = shown.bounding_box()
+    x, y = place[3]
+    page.page.mouse.move(box["x"] + (x + 0.5) / 256 * box["width"], box["y"] + (y + 0.5) / 192 * box["height"])
+    page.page.wait_for_function(f"document.getElementById('error-value').textContent.startsWith('{x}, {y}:')")
+    # Whatever changes the picture takes them away.
+    page.slide("blue (distant) intensity, number", 5)
+    page.page.wait_for_function("document.getElementById('errors').hidden")
+    page.settle()
+    assert page.page.locator("#errors").is_hidden()
+    page.page.click("#undo")
+    page.page.wait_for_function("!scrim.state.changed")
+    page.settle()
+    assert page.page.locator("#errors").is_hidden() and numpy.abs(page.pixels() - before).max() <= 2
+
+
+def test_regions_have_the_mean_of_their_errors(page_of, tmp_path):
+    page = page_of(BALL + '[render]\nquality = "draft"\n')
+    page.page.click("#verify")
+    page.page.wait_for_function("!document.getElementById('verified').hidden", timeout=PATIENCE)
+    page.page.check("#error-regions")
+    regions = page.page.evaluate("scrim.verified.regions()")
+    frame = scrim.open(tmp_path / "ball.toml").render(verify=400)
+    place, off = frame.examined["place"], frame.examined["picture"] - frame.examined["truth"]
+    error = (off[:, :3] ** 2).mean(axis=1) / frame.stats["verification"]["mean"] ** 2
+    found = {(region["x"], region["y"]): region["error"] for region in regions}
+    side = 256 // 8
+    for column, row in {tuple(p // side) for p in place}:
+        inside = (place // side == (column, row)).all(axis=1)
+        assert found.pop((column * side, row * side)) == pytest.approx(numpy.sqrt(error[inside].mean()), rel=1e-3)
+    assert not found

@@ -10,7 +10,11 @@ import pytest
 pytest.importorskip("tornado")
 tomlkit = pytest.importorskip("tomlkit")
 
-from scrim.view import _camera, _curves, _document, _handles, _playback  # noqa: E402
+from conftest import SMOKE  # noqa: E402
+from viewing import Viewer  # noqa: E402
+
+import scrim  # noqa: E402
+from scrim.view import _camera, _curves, _document, _handles, _lights, _playback, _session  # noqa: E402
 from scrim.view._pictures import Texture  # noqa: E402
 
 
@@ -185,3 +189,58 @@ def test_pictures_of_frames_are_kept_up_to_a_limit():
     assert cache.frames("look") == [1, 3, 4] and cache.find("look", 2) is None and cache.size == 2400
     cache.keep("other", 1, picture())
     assert cache.find("other", 1) and cache.frames("look") == [1, 4] and cache.find("other", 4) is None
+
+
+# ---- lights that come and go
+
+
+@pytest.mark.parametrize("kind", _lights.KINDS)
+def test_a_new_light_is_seen_in_the_picture_and_goes_without_a_trace(kind, tmp_path, python_path):
+    path = tmp_path / "shot.toml"
+    text = SMOKE.replace('[output]\ntype = "float"\nlayers = ["light", "depth"]\n', "[ambient]\ncolor = [0, 0, 0]\n")
+    path.write_text(text)
+    viewer = Viewer(path, python_path)
+    browser = viewer.browser()
+    try:
+        before = browser.until_exact()
+        browser.send(type="add", light=kind)
+        after = browser.until_exact()
+        assert after[..., :3].mean() > 1.1 * before[..., :3].mean()
+        handles = {handle["light"]: handle for handle in browser.state["handles"]}
+        if kind != "dome":  # a sky has no place
+            assert all(0.05 < handles[kind][axis] < 0.95 for axis in "xy")
+        browser.send(type="save")
+        browser.until(lambda m: m["type"] == "state" and not m["changed"])
+        saved = path.read_text()
+        assert saved.startswith(text.split("[ambient]")[0]) and saved.endswith("\n[ambient]\ncolor = [0, 0, 0]\n")
+        assert numpy.array_equal(scrim.open(path).render().image.astype(numpy.float16), after)
+        browser.send(type="remove", light=kind)
+        assert numpy.array_equal(browser.until_exact(), before)
+        browser.send(type="save")
+        browser.until(lambda m: m["type"] == "state" and not m["changed"])
+        assert path.read_text() == text
+        browser.send(type="undo")
+        assert numpy.array_equal(browser.until_exact(), after)
+    finally:
+        browser.close()
+        viewer.close()
+
+
+def test_a_light_that_goes_leaves_the_names_of_the_others_and_no_link():
+    linked = SMOKE.replace("density =", 'lights = ["key", "light2"]\ndensity =', 1)
+    document = _document.Document(linked.replace('name = "rim"\n', ""))
+    document.take(document.changed(_lights.removed(document.data, 0)))
+    assert [light["name"] for light in document.data["light"]] == ["light2"]
+    assert document.data["volume"][0]["lights"] == ["light2"]
+    assert list(scrim.loads(document.text).resolved()["lights"]) == ["light2"]
+    # A second new light of a kind has another name, and none is known before the first.
+    pose = _session.Viewpoint()
+    pose.read(document.data, scrim.loads(document.text).resolved())
+    names = []
+    for _ in range(3):
+        made = _lights.added(document.data, "point", pose.pose, {})
+        names.append(made["name"])
+        document.take(document.changed([(("light", len(document.data["light"])), made)]))
+    assert names == ["point", "point2", "point3"]
+    with pytest.raises(scrim.UsageError, match="a light 'laser'; expected distant, point, sphere, rectangle, dome"):
+        _lights.added(document.data, "laser", pose.pose, {})

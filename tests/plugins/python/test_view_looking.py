@@ -181,6 +181,10 @@ def test_the_page_can_be_used_by_everybody(opened):
     opened.page.get_by_text("Add curve").first.click()
     opened.page.wait_for_function("scrim.state.changed")
     opened.settle()
+    for fold in ("ball: shading", "ball: code"):
+        opened.page.get_by_text(fold).click()
+    opened.page.click("#verify")
+    opened.page.wait_for_function("!document.getElementById('verified').hidden", timeout=PATIENCE)
     for sheet in (False, True):
         if sheet:
             opened.page.click("#layers")
@@ -212,3 +216,54 @@ def test_frames_are_played_from_pictures_that_are_kept(page_of, program, tmp_pat
         page.settle()
         widths.append((page.pixels().max(axis=(0, 2)) > 24).sum())
     assert widths[1] > 1.5 * widths[0]
+
+
+def test_an_expression_is_typed_and_applied_and_a_mistake_is_at_its_line(page_of):
+    page = page_of(CENTRED)
+    before = page.pixels()
+    page.page.get_by_text("ball: code").click()
+    field = page.page.get_by_label("ball: code code: Ctrl+Enter applies it")
+    field.fill("float n = $gain;\nf@density *= nn;")
+    field.press("Control+Enter")
+    page.page.wait_for_function("document.querySelector('.code .wrong')?.textContent.trim() === '2'", timeout=PATIENCE)
+    assert page.page.locator(".code .mistake").inner_text().startswith("Line 2, column ")
+    assert page.page.locator("#status").inner_text().startswith("the code has a mistake")
+    assert field.evaluate("field => field === document.activeElement")  # though its slider came meanwhile
+    assert field.get_attribute("aria-invalid") == "true"
+    field.fill("float n = 0.002 * $gain;\nf@density *= n;")
+    page.page.get_by_label("Apply ball: code code").click()
+    page.page.wait_for_function("!document.querySelector('.code .wrong')", timeout=PATIENCE)
+    page.settle()
+    thin = page.pixels()
+    assert thin.sum() < 0.6 * before.sum()
+    page.slide("ball: code $gain, number", 500)  # which the expression brought, and which makes it what it was
+    page.settle()
+    assert numpy.abs(page.pixels() - before).max() <= 2
+    field.fill("// not yet")
+    page.page.get_by_label("Add a light").select_option("dome")  # which makes the panel anew
+    page.page.get_by_label("Remove dome").click()
+    page.page.wait_for_function("scrim.state.groups.filter(({ kind }) => kind === 'light').length === 2")
+    assert field.input_value() == "// not yet"
+    for _ in range(5):  # the light, the slider and both expressions
+        page.page.click("#undo")
+    page.page.wait_for_function("!scrim.state.changed")
+    page.settle()
+    assert field.input_value() == "" and page.page.get_by_label("ball: code $gain, number").count() == 0
+    assert numpy.abs(page.pixels() - before).max() <= 2
+
+
+def test_a_light_is_added_at_its_handle_and_removed_again(page_of):
+    page = page_of(CENTRED)
+    before = page.pixels()
+    page.page.get_by_label("Add a light").select_option("point")
+    page.page.wait_for_function("scrim.state.handles.some(({ light }) => light === 'point')")
+    page.settle()
+    lit = page.pixels()
+    assert lit[..., 1].sum() > 1.5 * before[..., 1].sum()  # the other lights are red and blue
+    assert centre(lit, 1)[0] > 0.5 and centre(lit, 1)[1] < 0.5  # from above, on the right
+    handle = page.page.get_by_label("Place light point")
+    assert handle.get_attribute("aria-pressed") == "true" and handle.bounding_box()
+    page.page.get_by_label("Remove point").click()
+    page.page.wait_for_function("scrim.state.handles.length === 2")
+    page.settle()
+    assert numpy.abs(page.pixels() - before).max() <= 2 and not page.page.evaluate("scrim.state.changed")

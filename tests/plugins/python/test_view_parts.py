@@ -75,6 +75,10 @@ def test_assignments_lead_from_the_opened_scene_to_this_one():
     document.take(document.changed([(("light", 0, "intensity"), None)]))
     with pytest.raises(scrim.UsageError, match="cannot remove 'light.key.intensity'; save the scene instead"):
         document.assignments()
+    document = _document.Document(SMOKE)
+    document.take(document.changed([(("light", 2), {"name": "third", "type": "dome"})]))
+    with pytest.raises(scrim.UsageError, match="^the command line cannot add 'light.third'; save the scene instead$"):
+        document.assignments()
 
 
 # ---- the camera

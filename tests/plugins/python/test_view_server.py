@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """`scrim view` without a browser: what it shows, saves and refuses, by real requests to its own process."""
 
+import asyncio
 import os
 import shlex
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy
@@ -20,6 +22,7 @@ from conftest import PROGRAM, SMOKE  # noqa: E402
 from viewing import PATIENCE, Browser, Viewer  # noqa: E402
 
 import scrim  # noqa: E402
+from scrim.view import _door, _opening, _server, _session  # noqa: E402
 
 COMMENTED = SMOKE.replace("intensity = 4.5", "intensity = 4.5   # the sun").replace("[camera]", "# A shot\n[camera]")
 
@@ -98,6 +101,9 @@ def test_a_saved_scene_keeps_comments_and_renders_the_viewers_picture_bit_for_bi
     assert numpy.array_equal(rgba(tmp_path / "viewer.exr"), rgba(tmp_path / "program.exr"))
     assert browser.state["changed"] is False and not browser.errors
     browser.close()
+    viewer.process.send_signal(signal.SIGINT)
+    assert viewer.process.wait(PATIENCE) == 128 + signal.SIGINT
+    assert viewer.process.stderr.read() == ""  # nothing is left over either
 
 
 def test_the_command_line_renders_the_viewers_picture_bit_for_bit(view, tmp_path):
@@ -261,6 +267,10 @@ def test_a_verification_finds_the_error_that_the_program_finds(view, tmp_path):
     found = browser.head["error"]
     stats = scrim.open(tmp_path / "shot.toml").render(verify=400).stats["verification"]
     assert found == stats and 0 < found["error"] < 0.05
+    (pixels,) = browser.verified
+    assert len(pixels["pixels"]) == stats["pixels"] and pixels["promise"] == 0.01 and pixels["states"]
+    assert pixels["pixels"][0][:2] == stats["worst_pixel"]
+    assert pixels["pixels"][0][4] == pytest.approx(stats["worst"], rel=1e-3)
     browser.close()
 
 
@@ -396,3 +406,92 @@ def test_a_refused_event_leaves_the_picture_finished(view):
     shown = browser.until(lambda m: m["type"] == "pictures" and m["serial"] == serial)
     assert shown["exact"]
     browser.close()
+
+
+# ---- the start
+
+
+class Serving:
+    """A server of this process, in a thread: `opening` gives what it shows."""
+
+    def __init__(self, opening):
+        self.door = _door.Door()
+        self.server, self.problem = _server.Server(opening, self.door), None
+        self.port, self.token = self.door.port, self.door.token
+        self.socket = f"ws://127.0.0.1:{self.port}/socket?token={self.token}"
+        self.thread = threading.Thread(target=self._run)
+        self.thread.start()
+
+    def _run(self):
+        async def serve():
+            self.loop = asyncio.get_running_loop()
+            await self.server.run()
+
+        try:
+            asyncio.run(serve())
+        except scrim.Error as problem:
+            self.problem = problem
+
+    def get(self, path):
+        return Viewer.get(self, path)
+
+    _opener = staticmethod(Viewer._opener)
+
+    def end(self):
+        self.loop.call_soon_threadsafe(self.server.end)
+        self.thread.join(PATIENCE)
+        assert not self.thread.is_alive()
+
+
+def test_the_page_is_there_while_an_asset_is_read_and_the_picture_follows(tmp_path):
+    (tmp_path / "shot.toml").write_text(COMMENTED)
+    may_go_on = threading.Event()
+
+    def opening():
+        assert may_go_on.wait(PATIENCE)
+        return _opening.opened(str(tmp_path / "shot.toml"))
+
+    serving = Serving(opening)
+    assert serving.get("/")[0] == 200 and serving.get("/page.js")[0] == 200 and serving.get("/picture.exr")[0] == 409
+    browser = Browser(serving)
+    browser.send(type="undo")  # is too early, and nothing happens
+    assert serving.get("/style.css")[0] == 200
+    may_go_on.set()
+    browser.serial = 0
+    assert numpy.array_equal(browser.until_exact(), scrim.loads(COMMENTED).render().image.astype(numpy.float16))
+    browser.close()
+    serving.end()
+
+
+def test_a_viewer_can_end_while_an_asset_is_read_and_says_what_is_wrong_with_it():
+    never = threading.Event()
+    serving = Serving(lambda: never.wait(PATIENCE))
+    assert serving.get("/")[0] == 200
+    serving.end()
+    never.set()
+
+    def bad():
+        raise scrim.InputError("a.vdb: bad")
+
+    serving = Serving(bad)
+    serving.thread.join(PATIENCE)
+    assert str(serving.problem) == "a.vdb: bad"
+
+
+def test_an_asset_is_read_once(tmp_path, program):
+    asset = tmp_path / "a.vdb"
+    assert program("make", "noise", "resolution=24", "-q", "-o", asset).returncode == 0
+    scene = _opening.opened(str(asset))
+    assert _opening.takes_long(str(asset)) and not _opening.takes_long(str(tmp_path / "a.toml"))
+    before = scrim.open(asset).render().image.astype(numpy.float16)
+    asset.write_bytes(b"")  # whoever reads it now finds nothing
+    shown, failed = [], []
+    there = threading.Event()
+    session = _session.Session(scene, lambda message: message["type"] == "error" and failed.append(message["text"]),
+                               lambda: there.set(), lambda seconds, call: call())  # fmt: skip
+    while session.exact_frame() is None and not failed:
+        assert there.wait(PATIENCE)
+        there.clear()
+    shown = session.exact_frame()
+    session.close()
+    assert not failed and numpy.array_equal(shown.image.astype(numpy.float16), before)

@@ -6,6 +6,7 @@ import os
 import random
 import shlex
 import subprocess
+import time
 
 import numpy
 import OpenEXR
@@ -29,6 +30,8 @@ BUTTONS = (
     "#count",
     "#lights",
     "#verify",
+    "#error-next",
+    "#error-regions",
 )
 KEYS = (
     "ArrowLeft",
@@ -63,8 +66,8 @@ def drag(page, chance):
 
 def slide(page, chance):
     sliders = page.locator("#panel input[type=range]")
-    slider = sliders.nth(chance.randrange(sliders.count()))
-    slider.focus()
+    count = chance.randrange(sliders.count())  # one may go while it is looked for
+    page.evaluate("n => document.querySelectorAll('#panel input[type=range]')[n]?.focus()", count)
     for _ in range(chance.randint(1, 4)):
         page.keyboard.press(chance.choice(("ArrowLeft", "ArrowRight", "PageUp", "PageDown")))
 
@@ -76,8 +79,9 @@ def press(page, chance):
 
 def click(page, chance):
     layers = page.locator("#panel button[data-layer]")
-    if chance.random() < 0.4:
-        layers.nth(chance.randrange(layers.count())).click()
+    if chance.random() < 0.4:  # likewise
+        number = chance.randrange(layers.count())
+        page.evaluate("n => document.querySelectorAll('#panel button[data-layer]')[n]?.click()", number)
     else:  # one that is disabled does nothing
         page.eval_on_selector(chance.choice(BUTTONS), "button => button.click()")
 
@@ -98,7 +102,29 @@ def look(page, chance):
     page.select_option("#look", chance.choice(("picture", "depth", "transmittance")))
 
 
-ACTIONS = (drag, drag, slide, slide, press, press, click, point, look)
+def come_and_go(page, chance):
+    """Adds a light, or removes one."""
+    count = page.locator("#panel button[aria-label^=Remove]").count()
+    if count > 3 or (count > 1 and chance.random() < 0.5):
+        number = chance.randrange(count)
+        page.evaluate("n => document.querySelectorAll('#panel button[aria-label^=Remove]')[n]?.click()", number)
+    else:
+        page.select_option("#add-light", chance.choice(("distant", "point", "sphere", "rectangle", "dome")))
+
+
+def write(page, chance):
+    """Applies an expression, which may be wrong."""
+    apply(page, chance.choice(("", "f@density *= $gain;", "f@density *= 0.5;\nf@density += 0 * $more;", "oops;")))
+
+
+def apply(page, code):
+    field = page.locator(".code textarea").first
+    page.eval_on_selector("details[data-title$=code]", "fold => (fold.open = true)")
+    field.fill(code)
+    field.press("Control+Enter")
+
+
+ACTIONS = 3 * (drag, drag, slide, slide, press, press, click, point, look) + (come_and_go, write)
 
 
 def plain(page):
@@ -127,7 +153,8 @@ def leftovers(viewer):
 
 
 def check(page, viewer, tmp_path, chromium):  # noqa: F811
-    """The page shows what a new page shows, and what the command renders."""
+    """The page shows what a new page shows, and what the command renders. An expression that is wrong goes first."""
+    apply(page.page, f"f@density *= {time.monotonic() % 1 + 0.5:.6g};")
     page.settle()
     assert page.page.evaluate("scrim.pending") == 0
     page.page.evaluate("new Promise((then) => setTimeout(then, 300))")
@@ -144,6 +171,9 @@ def check(page, viewer, tmp_path, chromium):  # noqa: F811
     assert page.page.evaluate("scrim.picture.textures.size") <= names
     muted = page.page.evaluate("scrim.state.muted")
     if not muted:  # with layers left out it is not the file's picture that can be had
+        if page.page.evaluate("scrim.state.command").startswith("#"):  # no command adds or removes a light
+            page.page.click("#save")
+            page.page.wait_for_function("!scrim.state.changed", timeout=PATIENCE)
         (tmp_path / "served.exr").write_bytes(viewer.get("/picture.exr")[1])
         words = shlex.split(page.page.evaluate("scrim.state.command"))
         subprocess.run([PROGRAM, *words[1:-1], tmp_path / "picture.exr", "-q"], check=True, cwd=tmp_path)

@@ -83,6 +83,7 @@ class Browser:
         request = tornado.httpclient.HTTPRequest(viewer.socket, headers=headers, connect_timeout=PATIENCE)
         self._socket = self._do(lambda: tornado.websocket.websocket_connect(request, max_message_size=1 << 28))
         self._textures, self.pictures, self.head, self.state, self.errors = {}, {}, {}, {}, []
+        self.verified = []
         self.serial = 0
 
     def _do(self, call):
@@ -107,6 +108,8 @@ class Browser:
             message = json.loads(data)
             if message["type"] == "state":
                 self.state = message
+            if message["type"] == "verified":
+                self.verified.append(message)
             if message["type"] == "error":
                 self.errors.append(message["text"])
             return message

@@ -5,6 +5,8 @@
 
 #include <scrim/image/exr_read.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -97,6 +99,16 @@ TEST_F(Ax, MistakesHaveAPlaceInTheScene) {
                 "scene.toml:8:8: 'clip' is a list of 2; expected two points, each coordinate of the second above that "
                 "of the first");
     expectError("resample = 99", "scene.toml:8:12: 'resample' is 99; expected a number from 0.125 to 16");
+}
+
+TEST_F(Ax, APlanAsJsonSaysWhatAnExpressionCosts) {
+    scene("ax = 'f@density *= 2; v@Cd = {1, 2, 3};'");
+    const auto plan = nlohmann::json::parse(runWell({"plan", "scene.toml", "--json"}).out);
+    ASSERT_EQ(plan[0]["messages"].size(), 1u) << plan[0]["messages"];
+    EXPECT_EQ(plan[0]["messages"][0].get<std::string>().find(
+                  "scene.toml:8:6: ax on smoke.vdb: reads 'density'; writes 'density', 'Cd'; 4394 voxels in "),
+              0u)
+        << plan[0]["messages"];
 }
 
 TEST_F(Ax, EndlessLoopsEndByTheLimitOfTime) {

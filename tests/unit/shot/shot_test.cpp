@@ -112,6 +112,15 @@ TEST_F(ShotTest, KeepsTheFramingAndVerificationOfTheProgram) {
     ASSERT_TRUE(frame.report().verification);
     EXPECT_GE(frame.report().verification->pixels, 20);
     EXPECT_LT(frame.report().verification->error, 0.1);
+    const std::vector<ExaminedPixel>& examined = frame.report().verification->examined;
+    ASSERT_EQ(int(examined.size()), frame.report().verification->pixels);
+    double mean = 0;
+    for (const ExaminedPixel& pixel : examined)
+        for (std::size_t c = 0; c < 3; ++c) {
+            EXPECT_FLOAT_EQ(float(pixel.rendered[c]), frame.image().rgba[frame.image().indexOf(pixel.x, pixel.y) + c]);
+            mean += pixel.reference[c] / 3 / double(examined.size());
+        }
+    EXPECT_NEAR(frame.report().verification->mean, mean, 1e-12 * mean);
     EXPECT_FALSE(frame.report().tolerance);
     EXPECT_NE(frame.report().planJson.find("\"groups\""), std::string::npos);
     const Image picture = readExr(file("program.exr"));  // half
@@ -146,6 +155,27 @@ TEST_F(ShotTest, RefusesOverridesThatNobodyReads) {
     EXPECT_EQ(errorOf(ErrorKind::usage, [&] { Shot::open("shot.yaml"); }),
               "shot.yaml: expected a scene (.toml), an asset (.vdb) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
               ".dcm, or a folder of DICOM files)");
+}
+
+TEST_F(ShotTest, TakesFurtherOverridesAndRefusesThoseThatAreWrong) {
+    const std::vector<std::string> dark{"light.rim.intensity=0", "camera.fov=20"};
+    Shot shot = open({"camera.fov=50"});
+    shot.render(1);
+    shot.set(dark);
+    EXPECT_EQ(shot.opened().lights[1].intensity, Rgb(0));
+    EXPECT_EQ(shot.render(1).image().rgba, open(dark).render(1).image().rgba);
+    const std::string before = shot.toml();
+    EXPECT_NE(before.find("fov = 20"), std::string::npos);
+    EXPECT_NE(errorOf(ErrorKind::input,
+                      [&] {
+                          shot.set({"camera.fov=30", "camera.fof=1"});
+                      })
+                  .find("--set camera.fof"),
+              std::string::npos);
+    EXPECT_EQ(shot.toml(), before);
+    Scene scene = open().opened();
+    scene.file = "mine";
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { Shot::make(scene).set(dark); }), "mine: the scene was built in code");
 }
 
 TEST_F(ShotTest, StopsWhereProgressSaysSo) {

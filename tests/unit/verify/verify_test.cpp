@@ -62,6 +62,13 @@ TEST(Summary, CountsWhatShowsInThePictureOrInTruth) {
     EXPECT_NEAR(summaryOf({lit, lost}).error, std::sqrt(0.5), 1e-12);
     EXPECT_NEAR(summaryOf({lit, ghost}).error, std::sqrt(0.5) / 0.5, 1e-12);
     EXPECT_EQ(summaryOf({lit, ghost}).pixels, 2);
+    PixelSample sample;
+    sample.pixels = {VerifiedPixel{}, lit, pixelOfAlpha(1e-3, 1e-3), ghost, lost};
+    const std::vector<VerifiedPixel> counted = countedPixels(sample);
+    ASSERT_EQ(counted.size(), 3u);
+    EXPECT_EQ(counted[0].reference, lit.reference);
+    EXPECT_EQ(counted[1].reference, ghost.reference);
+    EXPECT_EQ(counted[2].rendered, lost.rendered);
 }
 
 // What only emits has no alpha; what is fainter than a thousandth of the brightest does not count.

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import _grids, _scrim, _toml
 from .._errors import UsageError
+from .._volumes import Volumes
 from ..view import needs
 from . import _camera, _own, _reading
 from ._scene import FrameScene, scene_at
@@ -36,7 +37,6 @@ class Shot:
         self.path: str = os.fspath(path)
         self._options = options
         self._given: dict = {"ocio": ocio, "guarded": guarded}
-        self._asked = overrides
         self._overrides = _toml.assignments(overrides)
         self._stage = _reading.opened_stage(self.path)
         self._sidecar = _own.Sidecar(options.sidecar)
@@ -66,9 +66,22 @@ class Shot:
         return list(self._messages.notes)
 
     @property
-    def volumes(self) -> list[str]:
-        """Names of the volumes of the first frame."""
-        return [volume["name"] for volume in self.scene(self.frames[0])["volume"]]
+    def volumes(self) -> Volumes:
+        """Names of the volumes of the first frame; see `scrim.Shot.volumes`."""
+        return Volumes(self, [volume["name"] for volume in self.scene(self.frames[0])["volume"]])
+
+    def set(self, overrides: Mapping[str, object] | Sequence[str]) -> None:
+        """Overrides more values, in all frames from now on: see `scrim.Shot.set`."""
+        more = _toml.assignments(overrides)
+        self._now().set(more)
+        self._overrides += more
+
+    def _code(self, name: str) -> tuple[str, dict]:
+        return self._now()._code(name)
+
+    def _now(self) -> _scrim.Shot:
+        """The shot of the frame that was read last, else of the first."""
+        return self.opened(self.frames[0] if self._read is None else self._read[0])
 
     @property
     def folder(self) -> str:
@@ -83,7 +96,7 @@ class Shot:
     def through(self, camera: str) -> Shot:
         """The stage through another of its cameras, by path or by a unique name: a shot of its own."""
         options = replace(self._options, camera=camera)
-        other = Shot(self.path, self._asked, options, self._given["ocio"], self._given["guarded"])
+        other = Shot(self.path, self._overrides, options, self._given["ocio"], self._given["guarded"])
         other._grids = dict(self._grids)
         other.scene(self.frames[0])  # where there is no such camera, that is said now
         return other
@@ -150,7 +163,7 @@ class Shot:
     def set_volume(self, name: str, grids: object) -> None:
         """Gives a volume grids that were made in code, in all frames: see `scrim.Shot.set_volume`."""
         fields = _grids.fields_of(grids)
-        self.opened(self.frames[0] if self._read is None else self._read[0]).set_volume(name, fields)
+        self._now().set_volume(name, fields)
         self._grids[name] = fields
 
     def study(

@@ -5,6 +5,9 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import functools
+import gc
+import importlib
 import logging
 import os
 import signal
@@ -18,7 +21,7 @@ import scrim
 
 from . import needs
 from ._door import Door
-from ._opening import opened
+from ._opening import opened, takes_long
 
 _STATUS = {
     scrim.UsageError: Status.USAGE,
@@ -83,14 +86,21 @@ def _view(words: list[str] | None) -> int:
     needs()
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     listen = _address(given.listen)
-    scene = opened(
-        given.scene, frame=given.frame, ocio=given.ocio, up=_axis(given.up), resolution=_size(given.res)
+    # The server's kits are loaded while the program reads the volumes, which needs no Python.
+    threading.Thread(target=importlib.import_module, args=("._server", __package__), daemon=True).start()
+    opening = functools.partial(
+        opened, given.scene, frame=given.frame, ocio=given.ocio, up=_axis(given.up), resolution=_size(given.res)
     )  # fmt: skip
+    if not takes_long(given.scene):
+        scene = opening()
+        opening = lambda: scene  # noqa: E731
     door = Door(*listen)
     _invite(door.url, not given.no_browser)
-    from ._server import Server  # its kits take a while, in which the browser starts
+    from ._server import Server
 
-    return asyncio.run(_serve(Server(scene, door)))
+    status = asyncio.run(_serve(Server(opening, door)))
+    gc.collect()  # while the module that made the pictures is there
+    return status
 
 
 def main(words: list[str] | None = None) -> int:

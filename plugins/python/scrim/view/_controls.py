@@ -13,18 +13,19 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ._camera import angles_of, direction_of
-from . import _curves
+from . import _code, _curves, _shading
 from ._document import Change, Place, name_of
 
 _QUALITIES = ("draft", "standard", "high", "ultra")
-# The errors that these promise, for media and for classified volumes, in per cent: `scrim help render`.
-_PROMISES = ("3", "1", "0.3", "0.1"), ("5", "2", "1", "0.5")
+# The errors that these promise, for media and for classified volumes: `scrim help render`.
+_PROMISES = (0.03, 0.01, 0.003, 0.001), (0.05, 0.02, 0.01, 0.005)
 _WHITE = [1.0, 1.0, 1.0]
 
 
 @dataclass(frozen=True)
 class Control:
-    """`id`: how the page names it. `kind`: number, colour (three numbers from 0 up), vector, choice, switch or a curve.
+    """`id`: how the page names it. `kind`: number, colour (three numbers from 0 up), vector, choice, switch, code or a
+    curve.
     `least`, `most`: ends of a slider; `log`: whether it goes by factors. `labels`: what the page writes for
     the choices, if not themselves. `is_keyed`: the scene animates it, so the page
     only shows that. `changes`: what a value from the page changes in the scene. `layer`: what it makes brighter, `law`:
@@ -53,6 +54,8 @@ class Control:
             return isinstance(value, list) and len(value) == 3 and all(_is_number(part) for part in value)
         if self.kind == "choice":
             return value in self.choices
+        if self.kind == "code":
+            return isinstance(value, str) and len(value) <= _code.LONGEST
         if self.kind in _curves.KINDS:
             return _curves.accepts(self.kind, value)
         if self.kind == "switch":
@@ -80,12 +83,14 @@ class Control:
 
 @dataclass(frozen=True)
 class Group:
-    """Controls under one heading. `kind`: light, volume, ambient or render. `name`: of the light or volume."""
+    """Controls under one heading. `kind`: light, volume, shading, code, ambient or render. `name`: of the light or
+    volume. `folded`: the page shows the heading alone until it is opened."""
 
     kind: str
     name: str
     title: str
     controls: list[Control]
+    folded: bool = False
 
 
 def _is_number(value: object) -> bool:
@@ -104,7 +109,7 @@ def _is_keyed(value: object) -> bool:
     return isinstance(value, Mapping) and "keys" in value
 
 
-class _Maker:
+class Maker:
     """Makes the controls of one table of the scene."""
 
     def __init__(self, table: Mapping, place: Place, path: str) -> None:
@@ -117,7 +122,8 @@ class _Maker:
     def value(self, *keys: str) -> object:
         return _read(self._table, keys, None)
 
-    def add(self, label: str, kind: str, keys: Place, default: object, **more: object) -> None:
+    def add(self, label: str, kind: str, keys: Place, default: object, whole: bool = False, **more: object) -> None:
+        """`whole`: the key takes whole numbers alone."""
         value = _read(self._table, keys, default)
         place = (*self._place, *keys)
         name = ".".join(str(key) for key in keys)
@@ -127,7 +133,28 @@ class _Maker:
         if kind in ("colour", "vector") and not is_keyed and not _is_triple(value):
             return
         given: dict = {"is_keyed": is_keyed, **more}
-        self.controls.append(Control(f"{self._path}.{name}", label, kind, value, lambda it: [(place, it)], **given))
+        self.controls.append(Control(f"{self._path}.{name}", label, kind, value, 
+                                     lambda it: [(place, round(it) if whole else it)], **given))
+
+    def add_pair(self, label: str, keys: Place, default: tuple[float, float], ascends: bool = True,
+                 ends: tuple[str, ...] = ("low", "high")) -> None:  # fmt: skip
+        """A slider for each number of a pair. `ascends`: one end moves the other along where it has to."""
+        value = _read(self._table, keys, list(default))
+        if not (isinstance(value, list) and len(value) == 2 and all(_is_number(one) for one in value)):
+            return
+        place, name = (*self._place, *keys), ".".join(str(key) for key in keys)
+        low, high = value
+        least, most = min(0.0, low), max(1.0, high)
+        gap = 1e-3 * (most - least)
+        changes = {
+            "low": lambda v: [(place, [v, max(high, v + gap) if ascends else high])],
+            "high": lambda v: [(place, [min(low, v - gap) if ascends else low, v])],
+        }
+        for end, one in (("low", low), ("high", high)):
+            if end in ends:
+                self.controls.append(
+                    Control(f"{self._path}.{name}.{end}", f"{label}, {end}", "number", one, changes[end], least, most)
+                )
 
     def add_curve(self, label: str, kind: str, keys: Place) -> None:
         """A curve where there is one, or can be one."""
@@ -160,7 +187,7 @@ def _is_triple(value: object) -> bool:
 
 def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
     name = name_of("light", index, light)
-    make = _Maker(light, ("light", index), f"light.{name}")
+    make = Maker(light, ("light", index), f"light.{name}")
     kind = light.get("type", "")
     factor, stops = ({"layer": f"light.{name}", "law": law} for law in ("factor", "stops"))
     make.add("intensity", "number", ("intensity",), 1.0, least=0.01, most=1000.0, log=True, **factor)
@@ -197,7 +224,7 @@ def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
 
 def _volume(index: int, volume: Mapping) -> Group:
     name = name_of("volume", index, volume)
-    make = _Maker(volume, ("volume", index), f"volume.{name}")
+    make = Maker(volume, ("volume", index), f"volume.{name}")
     make.add("density", "number", ("density", "scale"), 1.0, least=1e-4, most=1e4, log=True)
     make.add_curve("density curve", "ramp", ("density", "ramp"))
     if "classified" in volume:
@@ -218,16 +245,61 @@ def _volume(index: int, volume: Mapping) -> Group:
             factor = "scale" if key == "emission" else "intensity"
             if make.has("medium", key):
                 make.add(f"{key} {factor}", "number", ("medium", key, factor), 1.0, least=1e-3, most=1e3, log=True)
+        if make.has("medium", "blackbody"):
+            make.add("blackbody tint", "colour", ("medium", "blackbody", "tint"), _WHITE)
+        if make.has("medium", "albedo", "ramp"):
+            make.add_curve("albedo curve", "colours", ("medium", "albedo", "ramp"))
         if make.has("medium", "emission"):
             make.add_curve("emission curve", "colours", ("medium", "emission", "ramp"))
     return Group("volume", name, name, make.controls)
 
 
+def _promises(scene: Mapping) -> tuple[float, ...]:
+    """What the presets promise for this scene; none where it sets the dials by hand."""
+    if any(key in scene.get("render", {}) for key in ("texel", "sheet_thickness")):
+        return ()
+    return _PROMISES[any("classified" in volume for volume in scene.get("volume", []))]
+
+
+def promise_of(scene: Mapping) -> float | None:
+    """The relative error that the scene's tolerance or preset promises; None where it promises none."""
+    render, promises = scene.get("render", {}), _promises(scene)
+    tolerance, quality = render.get("tolerance", 0), render.get("quality", "standard")
+    if _is_number(tolerance) and tolerance > 0:
+        return float(tolerance)
+    return promises[_QUALITIES.index(quality)] if promises and quality in _QUALITIES else None
+
+
+def _volume_shading(index: int, volume: Mapping) -> Group:
+    name = name_of("volume", index, volume)
+    make = Maker(volume, ("volume", index), f"volume.{name}")
+    is_used = _shading.add(make)
+    return Group("shading", name, f"{name}: shading", make.controls, not is_used)
+
+
+def _volume_code(index: int, volume: Mapping) -> Group:
+    """The expression of a volume, and the parameters that it uses."""
+    name, place = name_of("volume", index, volume), ("volume", index)
+    make = Maker(volume, place, f"volume.{name}")
+    code = volume.get("ax", "")
+    make.controls.append(
+        Control(f"volume.{name}.ax", "code", "code", code, lambda it: _code.changes(volume, place, it),
+                is_keyed="ax_file" in volume)
+    )  # fmt: skip
+    for key, value in _code.parameters(volume):
+        if _is_triple(value):
+            make.add(f"${key}", "vector", ("parameters", key), None)
+        elif _is_keyed(value):
+            make.add(f"${key}", "number", ("parameters", key), None)
+        elif _is_number(value):
+            least, most = _code.range_of(value)
+            make.add(f"${key}", "number", ("parameters", key), None, least=least, most=most)
+    return Group("code", name, f"{name}: code", make.controls, not code)
+
+
 def _render(scene: Mapping) -> Group:
-    make = _Maker(scene, (), "scene")
-    promises = _PROMISES[any("classified" in volume for volume in scene.get("volume", []))]
-    has_promise = not (make.has("render", "texel") or make.has("render", "sheet_thickness"))
-    labels = tuple(f"{q} ({p} % of error)" for q, p in zip(_QUALITIES, promises)) if has_promise else ()
+    make = Maker(scene, (), "scene")
+    labels = tuple(f"{q} ({100 * p:g} % of error)" for q, p in zip(_QUALITIES, _promises(scene)))
     make.add("quality", "choice", ("render", "quality"), "standard", choices=_QUALITIES, labels=labels)
     if not any(make.has("camera", key) for key in ("focal_length", "exr", "height")):
         make.add("field of view", "number", ("camera", "fov"), 35.0, least=5.0, most=120.0, unit="°")
@@ -237,8 +309,9 @@ def _render(scene: Mapping) -> Group:
 def groups_of(scene: Mapping, up: np.ndarray) -> list[Group]:
     """The controls of a scene. `up`: the world's axis that angles of lights are measured from."""
     groups = [_light(i, light, up) for i, light in enumerate(scene.get("light", []))]
-    ambient = _Maker(scene, (), "scene")
+    ambient = Maker(scene, (), "scene")
     ambient.add("colour", "colour", ("ambient", "color"), [0.0, 0.0, 0.0], layer="ambient", law="factor")
     groups.append(Group("ambient", "ambient", "Ambient light", ambient.controls))
-    groups += [_volume(i, volume) for i, volume in enumerate(scene.get("volume", []))]
+    for index, volume in enumerate(scene.get("volume", [])):
+        groups += [make(index, volume) for make in (_volume, _volume_shading, _volume_code)]
     return [*groups, _render(scene)]

@@ -13,6 +13,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 
 import tomlkit
+from tomlkit.items import Array, String, StringType, Trivia
 from scrim_kit import toml_text
 
 from .._errors import OutputError, UsageError
@@ -48,16 +49,64 @@ def _change(document: dict, place: Place, value: object) -> None:
         if isinstance(table, Mapping) and name not in table:
             if value is None:
                 return
-            table[name] = _new_table(document, table)
+            if table is document and name in LISTS:
+                table[name] = tomlkit.aot() if isinstance(document, tomlkit.TOMLDocument) else []
+            else:
+                table[name] = _new_table(document, table)
         table = table[name]
-    if value is None:
+    if isinstance(table, list):
+        _change_list(document, table, key, value)
+    elif value is None:
         table.pop(key, None)
     elif table.get(key) != value:
-        table[key] = _inline(value) if isinstance(document, tomlkit.TOMLDocument) else copy.deepcopy(value)
+        is_text = isinstance(document, tomlkit.TOMLDocument)
+        table[key] = _written(value, table.get(key)) if is_text else copy.deepcopy(value)
 
 
-def _inline(value: object) -> object:
-    """Lists of tables as they stand in one place: a table in a line, below each other."""
+def _change_list(document: dict, tables: list, index: int, value: object) -> None:
+    """Removes an item of a list of tables, or adds one behind the others."""
+    if value is None:
+        del tables[index]
+        return
+    if not isinstance(document, tomlkit.TOMLDocument):
+        tables.append(copy.deepcopy(value))
+        return
+    table = tomlkit.inline_table() if isinstance(tables, Array) else tomlkit.table()
+    table.update(copy.deepcopy(value))
+    if not isinstance(tables, Array):
+        table.add(tomlkit.nl())
+    tables.append(table)
+
+
+def _merged(before: Mapping, after: Mapping, base: Mapping, place: Place = ()) -> Iterator[Change]:
+    """What leads from `base` to where `after` is from `before`. Items of lists of tables are known by their names."""
+    for key in [*before, *(key for key in after if key not in before)]:
+        old, new, now = before.get(key), after.get(key), base.get(key)
+        if old == new:
+            continue
+        if not place and key in LISTS:
+            yield from _merged_lists(key, old or [], new or [], now or [])
+        elif all(isinstance(one, Mapping) for one in (old, new, now)):
+            yield from _merged(old, new, now, (*place, key))
+        else:
+            yield (*place, key), new
+
+
+def _merged_lists(key: str, before: list, after: list, base: list) -> Iterator[Change]:
+    old, new, now = ({name_of(key, i, it): i for i, it in enumerate(one)} for one in (before, after, base))
+    for name in new:
+        if name in old and name in now:
+            yield from _merged(before[old[name]], after[new[name]], base[now[name]], (key, now[name]))
+    added = [name for name in new if name not in old and name not in now]
+    yield from (((key, len(base) + i), after[new[name]]) for i, name in enumerate(added))
+    yield from (((key, now[name]), None) for name in reversed(now) if name in old and name not in new)
+
+
+def _written(value: object, before: object) -> object:
+    """A value as it is written in place of another. Texts of several lines keep the quotes that they have, or are
+    literal; lists of tables are a table in a line, below each other."""
+    if isinstance(value, str) and "\n" in value:
+        return _lines(value, before)
     if not (isinstance(value, list) and value and all(isinstance(one, dict) for one in value)):
         return value
     out = tomlkit.array().multiline(True)
@@ -66,6 +115,18 @@ def _inline(value: object) -> object:
         table.update(one)
         out.append(table)
     return out
+
+
+def _lines(text: str, before: object) -> String:
+    kind, trivia = StringType.MLL, Trivia()
+    if isinstance(before, String):
+        trivia = before.trivia
+        if before.as_string().startswith('"""'):
+            kind = StringType.MLB
+    if "'''" in text:
+        kind = StringType.MLB
+    raw = text if kind is StringType.MLL else text.replace("\\", "\\\\").replace('"""', '""\\"')
+    return String(kind, text, "\n" + raw, trivia)
 
 
 def _new_table(document: dict, table: dict) -> dict:
@@ -82,8 +143,9 @@ class Document:
         self.file = file
         self._saved = text  # what the file holds
         self._original = text  # what a command line begins with
-        self._past: list[str] = []
-        self._future: list[str] = []
+        self._base = text  # what the changes are made to
+        self._past: list[tuple[str, str]] = []  # bases, and texts that were made of them
+        self._future: list[tuple[str, str]] = []
         self._step: object = None
         self._set(text)
 
@@ -129,7 +191,7 @@ class Document:
         if text == self.text:
             return
         if step is None or step != self._step:
-            self._past.append(self.text)
+            self._past.append((self._base, self.text))
         self._step = step
         self._future.clear()
         if self._next is None or self._next[0] != text:
@@ -148,9 +210,21 @@ class Document:
         self._step = None
         if not source:
             return False
-        target.append(self.text)
-        self._set(source.pop())
+        target.append((self._base, self.text))
+        base, text = source.pop()
+        self._set(text if base == self._base else _on_base(base, text, self._base))
         return True
+
+    def on_base(self, base: str, instead: Mapping[str, object]) -> str:
+        """The text with the same changes to another base. `instead`: sections that count instead of theirs."""
+        return base if self.text == self._base and not instead else _on_base(self._base, self.text, base, instead)
+
+    def take_base(self, base: str, text: str) -> None:
+        """Makes `text` the scene, which is `base` with the changes so far. That is no step to undo."""
+        if not self.file:
+            self._original = base
+        self._base = base
+        self._set(text)
 
     def save(self, file: str = "") -> None:
         """Writes the scene to its own file or, where `file` is given, to a new one, which is its own from then on.
@@ -170,8 +244,14 @@ class Document:
 
     def assignments(self) -> list[str]:
         """What --set must say to make this scene of the one that was opened. Raises UsageError where --set cannot."""
-        before = dict(_values(tomlkit.parse(self._original).unwrap()))
+        original = tomlkit.parse(self._original).unwrap()
+        before = dict(_values(original))
         now = dict(_values(self.data))
+        for kind in LISTS:
+            known = [name_of(kind, i, one) for i, one in enumerate(original.get(kind, []))]
+            for index, one in enumerate(self.data.get(kind, [])):
+                if (name := name_of(kind, index, one)) not in known:
+                    raise UsageError(f"the command line cannot add '{kind}.{name}'; save the scene instead")
         gone = [path for path in before if path not in now]
         rivals = ("camera.",)  # a value of a camera replaces its rivals by itself
         lost = [path for path in gone if not path.startswith(rivals)]
@@ -180,13 +260,28 @@ class Document:
         return [toml_text.assignment(path, value) for path, value in now.items() if before.get(path) != value]
 
 
+def _on_base(before: str, after: str, base: str, instead: Mapping[str, object] | None = None) -> str:
+    """The changes that led from one text to another, made to a third."""
+    document, data = tomlkit.parse(base), tomlkit.parse(base).unwrap()
+    changes = [
+        change
+        for change in _merged(tomlkit.parse(before).unwrap(), tomlkit.parse(after).unwrap(), data)
+        if change[0][0] not in (instead or {})
+    ]
+    for place, value in [*changes, *(((key,), None) for key in instead or {})]:
+        _change(document, place, value)
+    for key, value in (instead or {}).items():
+        _change(document, (key,), value)
+    return tomlkit.dumps(document)
+
+
 def _values(scene: Mapping) -> Iterator[tuple[str, object]]:
     """(path as for --set, value) of every value of a scene."""
     for key, value in scene.items():
         if isinstance(value, Mapping):
             for inner, it in _values(value):
                 yield f"{key}.{inner}", it
-        elif isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value) and key in _LISTS:
+        elif isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value) and key in LISTS:
             for index, one in enumerate(value):
                 for inner, it in _values(one):
                     yield f"{key}.{name_of(key, index, one)}.{inner}", it
@@ -194,7 +289,7 @@ def _values(scene: Mapping) -> Iterator[tuple[str, object]]:
             yield key, value
 
 
-_LISTS = ("volume", "light", "mesh")
+LISTS = ("volume", "light", "mesh")
 
 
 def _write_new(file: str, text: str) -> None:

@@ -57,6 +57,13 @@ class Tables:
     def __init__(self, show: Callable[[], object], later: Callable[[float, Callable[[], object]], object]) -> None:
         self._show, self._later = show, later
         self._made: dict[tuple[str, str], Lut] = {}
+        self._threads: list[threading.Thread] = []
+
+    def close(self) -> None:
+        """Waits for tables that are being made."""
+        for thread in self._threads:
+            if thread.is_alive():
+                thread.join()
 
     def of(self, shot: scrim.Shot, display: str, view: str) -> Lut:
         def refine() -> None:
@@ -66,5 +73,6 @@ class Tables:
         if (display, view) not in self._made:
             self._made[display, view] = Lut(FIRST_SIZE, table(shot, display, view, FIRST_SIZE))
             thread = threading.Thread(target=refine, name="scrim-view-table", daemon=True)
+            self._threads.append(thread)
             self._later(_FINE_SECONDS, thread.start)
         return self._made[display, view]

@@ -27,8 +27,9 @@ class View:
 
         self.height = height
         self._door = Door()
-        self._server = Server(opened, self._door)
+        self._server = Server(lambda: opened, self._door)
         self._ready, self._problem = threading.Event(), None
+        self._text = opened.text
         self._loop: asyncio.AbstractEventLoop | None = None
         self._thread = threading.Thread(target=self._serve, name="scrim-view", daemon=True)
         self._thread.start()
@@ -55,11 +56,15 @@ class View:
     @property
     def toml(self) -> str:
         """The scene as it was changed in the viewer."""
-        return self._server.session.document.text
+        session = self._server.session
+        if session is not None:
+            self._text = session.document.text
+        return self._text
 
     def close(self) -> None:
         """Ends the viewer."""
         if self._thread.is_alive() and self._loop is not None:
+            self._text = self.toml  # is still there then
             self._loop.call_soon_threadsafe(self._server.end)
             self._thread.join()
 

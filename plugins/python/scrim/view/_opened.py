@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 import shlex
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 class Opened:
     """What is looked at. `text`: the scene; `file`: its own file, "" where it has none yet; `folder`: what its paths
     are relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it;
-    `others`: files beside it that the page may open; `keeps`: what the scene's files live as long as; `temporary`: the
-    folder of those that end with it; `cameras`: paths of a stage's cameras, through which `keeps` can look; `grids`:
-    made in code, by the names of volumes."""
+    `others`: files beside it that the page may open; `text_at`: the scene of another frame, where each has one of its
+    own; `keeps`: what the scene's files live as long as; `temporary`: the folder of those that end with it; `cameras`:
+    paths of a stage's cameras, through which `keeps` can look; `grids`: made in code, by the names of volumes;
+    `loaded`: a shot whose volumes need not be loaded again, and which nobody uses any more."""
 
     text: str
     file: str
@@ -35,10 +36,12 @@ class Opened:
     ocio: str = ""
     options: list[str] = field(default_factory=list)
     others: list[str] = field(default_factory=list)
+    text_at: Callable[[int], str] | None = None
     keeps: object = None
     temporary: str = ""
     cameras: list[str] = field(default_factory=list)
     grids: Mapping[str, object] = field(default_factory=dict)
+    loaded: object = None
 
     def with_files(self, scene: Mapping, name: str) -> list[Change]:
         """Copies the scene's temporary files into a folder beside the scene that will have this name: what must be

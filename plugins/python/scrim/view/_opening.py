@@ -32,6 +32,11 @@ def listed(folder: str) -> list[str]:
     return found
 
 
+def takes_long(path: str) -> bool:
+    """Whether it is read as a whole before anything is known of it: an asset, which is framed."""
+    return os.path.isfile(path) and os.path.splitext(path)[1].lower() in _ASSETS
+
+
 def opened(
     path: str,
     *,
@@ -41,7 +46,7 @@ def opened(
     resolution: tuple[int, int] | None = None,
 ) -> Opened:
     """Raises scrim.Error where it cannot be opened. An asset becomes the scene that `scrim render` makes of it, and a
-    stage that of one of its frames; both have no file until they are saved. Of a folder it is the first file that
+    stage one for each of its frames; both have no file until they are saved. Of a folder it is the first file that
     opens, and the others are listed. `up` and `resolution` are for assets."""
     if os.path.isdir(path):
         return _first_of(path, listed(path), frame, ocio)
@@ -53,7 +58,7 @@ def opened(
     frames = shot.frames
     number = frame if frame is not None else frames[0]
     if shot.is_asset:
-        return Opened(shot.toml(), "", folder, path, frames, number, ocio, options)
+        return Opened(shot.toml(), "", folder, path, frames, number, ocio, options, loaded=shot)
     if up or resolution:
         raise scrim.UsageError(f"{path}: --up and --res are for assets; this scene says both itself")
     with open(path, encoding="utf-8", newline="") as file:
@@ -73,13 +78,13 @@ def _first_of(folder: str, names: list[str], frame: int | None, ocio: str) -> Op
 
 
 def of_stage(shot: scrim.usd.Shot, frame: int, ocio: str = "", grids: Mapping[str, object] | None = None) -> Opened:
-    """A frame of a stage, with the overrides of the shot."""
-    text = shot.toml(frame)
+    """A stage from this frame on, with the overrides of the shot."""
+    text, frames = shot.toml(frame), sorted({*shot.frames, frame})
     # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
     return Opened(
-        text, "", os.path.dirname(os.path.abspath(shot.path)), shot.path, [frame], frame, os.fspath(ocio),
-        ["--ocio", os.fspath(ocio)] if ocio else [], keeps=shot, temporary=shot.folder, cameras=shot.cameras,
-        grids=grids or {},
+        text, "", os.path.dirname(os.path.abspath(shot.path)), shot.path, frames, frame, os.fspath(ocio),
+        ["--ocio", os.fspath(ocio)] if ocio else [], text_at=shot.toml, keeps=shot, temporary=shot.folder,
+        cameras=shot.cameras, grids=grids or {},
     )  # fmt: skip
 
 

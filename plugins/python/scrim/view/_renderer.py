@@ -37,6 +37,7 @@ _SLOW, _FAST = 0.06, 0.025  # seconds of a coarse render from which on the next 
 _PATIENCE = 0.5  # seconds after which a coarse render that serves no longer is cancelled, too
 _REST = 0.7  # seconds without a change after which the picture of the scene's file is made
 _VERIFIED = 400  # pixels that are compared with brute force on request
+_VERIFY_SECONDS = 30.0  # after which as many of them are enough as there are
 _POLL = 0.005
 _LONG = 6.0  # seconds from which on the picture of the file is one that a draft goes before
 _SOON = 1.0  # seconds of it after which that is known
@@ -130,9 +131,9 @@ def _alike(pictures: Pictures, wanted: Wanted) -> bool:
 
 
 class Renderer:
-    """`shown(pictures, wanted)` and `failed(text)` are called in this object's thread, `shown` also while a picture of
-    an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in code, by the
-    names of volumes."""
+    """`shown(pictures, wanted, task)` and `failed(text, wanted)` are called in this object's thread, `shown` also while
+    a picture of an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in
+    code, by the names of volumes. `loaded`: a shot that shares what it has loaded, and that is this object's from now on."""
 
     def __init__(
         self,
@@ -140,12 +141,13 @@ class Renderer:
         name: str,
         ocio: str,
         shown: Callable[[Pictures, Wanted, Task], object],
-        failed: Callable[[str], object],
+        failed: Callable[[str, Wanted], object],
         grids: Mapping[str, object] | None = None,
+        loaded: scrim.Shot | None = None,
     ) -> None:
         self._given = {"folder": folder, "name": name, "ocio": ocio}
         self._shown, self._failed, self._grids = shown, failed, grids or {}
-        self._shot: scrim.Shot | None = None
+        self._shot = loaded
         self._wanted: Wanted | None = None
         self._pictures: Pictures | None = None
         self._bad: Wanted | None = None  # what cannot be rendered
@@ -208,7 +210,7 @@ class Renderer:
                 pass
             except scrim.Error as error:
                 self._bad = wanted
-                self._failed(str(error))
+                self._failed(str(error), wanted)
             finally:
                 self._job = None
         self._shot = self._pictures = None
@@ -250,7 +252,7 @@ class Renderer:
             shot.set_volume(name, grids)
         self._shot = shot
         job = self._job = shot.start(wanted.frame, crop=wanted.region if task.kind == "region" else None,
-                         verify=_VERIFIED if task.kind == "verify" else 0)  # fmt: skip
+                         verify=_VERIFIED if task.kind == "verify" else 0, verify_limit=_VERIFY_SECONDS)  # fmt: skip
         while not job.wait(_POLL):
             seconds = time.monotonic() - started
             with self._changed:

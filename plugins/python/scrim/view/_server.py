@@ -17,7 +17,9 @@ import os
 import socket
 import struct
 import tempfile
+import threading
 import urllib.parse
+from collections.abc import Callable
 from dataclasses import replace
 
 import tornado.httpserver
@@ -36,7 +38,7 @@ from ._opened import Opened
 from ._session import Session
 
 _PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
-_PARTS = ("curves", "handles", "looks", "page", "panel", "picture", "shaders", "steer", "values")
+_PARTS = ("code", "curves", "handles", "looks", "page", "panel", "picture", "shaders", "steer", "values", "verified")
 _FILES = {
     "": ("index.html", "text/html; charset=utf-8"),
     **{f"{name}.js": (f"{name}.js", "text/javascript; charset=utf-8") for name in _PARTS},
@@ -48,18 +50,21 @@ _PROGRESS_SECONDS = 0.25
 
 
 class Server:
-    """Serves at a door; `run` begins. Raises scrim.Error where the scene is bad."""
+    """Serves at a door; `run` begins. `opening()` gives what is looked at, or raises scrim.Error; meanwhile browsers
+    load the page."""
 
-    def __init__(self, opened: Opened, door: Door) -> None:
+    def __init__(self, opening: Callable[[], Opened], door: Door) -> None:
         self._door = door
         self.host, self.port, self.token = door.host, door.port, door.token
         self.browsers: set[_Socket] = set()
-        self._opened = opened
+        self._opening = opening
+        self._opened: Opened | None = None
+        self.session: Session | None = None  # until it is opened
         self._ended: asyncio.Event | None = None
         self.status = 0
 
     async def run(self, ready: asyncio.Event | None = None) -> int:
-        """Serves until `end`; gives the exit status."""
+        """Serves until `end`; gives the exit status. Raises scrim.Error where the scene is bad."""
         loop = asyncio.get_running_loop()
         self._ended = asyncio.Event()
 
@@ -70,11 +75,6 @@ class Server:
                 pass
 
         self._later = later
-        try:
-            self.session = self._begin(self._opened)
-        except BaseException:
-            self._door.close()
-            raise
         rules = [("socket", _Socket), ("picture.exr", _Exr), ("(?P<name>[^/]*)", _Page)]
         app = tornado.web.Application(
             [(f"/(?:t/(?P<key>[^/]+)/)?{path}", handler, {"server": self}) for path, handler in rules],
@@ -82,19 +82,53 @@ class Server:
         )  # fmt: skip
         http = tornado.httpserver.HTTPServer(app)
         http.add_sockets([self._door.socket])
-        telling = asyncio.ensure_future(self._tell_progress())
-        if ready is not None:
-            ready.set()
+        telling = None
         try:
-            await self._ended.wait()
+            if await self._open():
+                telling = asyncio.ensure_future(self._tell_progress())
+                if ready is not None:
+                    ready.set()
+                await self._ended.wait()
         finally:
-            telling.cancel()
+            if telling is not None:
+                telling.cancel()
             http.stop()
             for browser in list(self.browsers):
                 browser.close(1001, "the viewer has ended")
             await http.close_all_connections()
-            self.session.close()
+            if self.session is not None:
+                self.session.close()
+            self.session = self._opened = None
         return self.status
+
+    async def _open(self) -> bool:
+        """Opens what is looked at, and greets the browsers that wait for it. False where `end` came first."""
+        loop = asyncio.get_running_loop()
+        made = loop.create_future()
+
+        def tell(give: Callable[[object], None], it: object) -> None:
+            self._later(0.0, lambda: made.done() or give(it))
+
+        def open_() -> None:
+            try:
+                scene = self._opening()
+            except BaseException as problem:  # noqa: BLE001
+                tell(made.set_exception, problem)
+            else:
+                tell(made.set_result, scene)
+
+        threading.Thread(target=open_, name="scrim-view-opening", daemon=True).start()
+        ended = asyncio.ensure_future(self._ended.wait())
+        await asyncio.wait({made, ended}, return_when=asyncio.FIRST_COMPLETED)
+        ended.cancel()
+        if not made.done():
+            made.cancel()
+            return False
+        self._opened = made.result()
+        self.session = self._begin(self._opened)
+        for browser in list(self.browsers):
+            browser.greet()
+        return True
 
     def _begin(self, opened: Opened, serial: int = 0) -> Session:
         return Session(opened, self.tell, self.show, self._later, serial)
@@ -225,7 +259,8 @@ class _Exr(_Guarded):
     """The picture that the scene's file makes, once it is there."""
 
     def get(self, key: str | None = None) -> None:
-        frame = self.server.session.exact_frame()
+        session = self.server.session
+        frame = session.exact_frame() if session is not None else None
         if frame is None:
             raise tornado.web.HTTPError(409, reason="The picture is not finished")
         with tempfile.TemporaryDirectory(prefix="scrim-view-") as folder:
@@ -245,6 +280,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         self._waits = False  # for a browser that has not said yet that it has the last picture
         self._is_old = False  # what the browser has is not the newest
         self._lut: Lut | None = None  # that is there
+        self._verified: object = None  # the frame whose verified pixels are there
 
     def check_origin(self, origin: str) -> bool:
         return True  # `allows` has checked it
@@ -252,6 +288,11 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
     def open(self, *arguments: str, **named: str) -> None:
         self.set_nodelay(True)
         self.server.browsers.add(self)
+        if self.server.session is not None:
+            self.greet()
+
+    def greet(self) -> None:
+        """Says and shows what there is."""
         self.tell(json_encode(self.server.session.state()))
         self.show()
 
@@ -272,7 +313,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
                 self.show()
         elif message.get("type") == "end":
             self.server.end()
-        else:
+        elif self.server.session is not None:
             try:
                 if message.get("type") == "open":
                     self.server.open(message.get("name"), _messages.whole(message.get("serial", 0)))
@@ -310,6 +351,9 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         self._is_old = self._waits
         if self._waits:
             return
+        if (frame := session.verified()) is not None and frame is not self._verified:
+            self._verified = frame
+            self.tell(json_encode({"type": "verified", **session.verified_pixels()}))
         self._waits = True
         slots: dict[str, Texture] = {"beauty": pictures.beauty}
         if pictures.rest is not None:

@@ -14,13 +14,14 @@ from dataclasses import replace
 
 import scrim
 
-from . import _handles, _messages
+from . import _code, _handles, _lights, _messages
 from ._controls import Control, groups_of
-from ._document import Change, Document, name_of
+from ._document import Change, Document, name_of, rounded
 from ._luts import Lut, Tables
 from ._opened import Opened
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
 from ._playback import Player
+from ._verified import verified
 from ._renderer import Renderer, Task, Wanted, is_exact
 from ._viewpoint import Viewpoint
 
@@ -50,6 +51,8 @@ class Session:
         self._serial = serial
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
+        self._through: tuple | None = None  # a stage through another of its cameras, and that camera in the scene
+        self._failed = ("", "")  # the scene that could not be rendered last, and why
         self.player = Player(self, opened.frames, tell, later)
         self._tables = Tables(lambda: self._show(), later)
         self._region: tuple[int, int, int, int] | None = None
@@ -61,7 +64,8 @@ class Session:
         self.view = self.displays[self.display][0]
         self._wanted = self._now(moves=False)
         self._renderer = Renderer(
-            opened.folder, os.path.basename(opened.input), opened.ocio, self._took, self._lost, opened.grids
+            opened.folder, self._name, opened.ocio, self._took, self._lost, opened.grids,
+            opened.loaded,
         )
         self._renderer.want(self._wanted)
 
@@ -69,6 +73,7 @@ class Session:
         """Ends it: browsers hear nothing more of it."""
         self._tell = self._show = lambda *_: None
         self._renderer.stop()
+        self._tables.close()
 
     # ---- what browsers ask for
 
@@ -140,6 +145,25 @@ class Session:
         index, x, y = self._light(message)
         self._change(_handles.moved(self.document.data, index, self._seen_from(), x, y), message)
 
+    def _on_add(self, message: Mapping) -> None:
+        """A new light."""
+        data = self.document.data
+        light = _lights.added(data, message.get("light"), self._viewpoint.pose, self._resolved["lights"])
+        self._change([(("light", len(data.get("light", []))), light)], message)
+
+    def _on_remove(self, message: Mapping) -> None:
+        """A light goes."""
+        name, lights = message.get("light"), self.document.data.get("light", [])
+        index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
+        if index is None:
+            raise scrim.UsageError(f"the scene has no light {name!r}")
+        muted, self._muted = self._muted, self._muted - {f"light.{name}"}
+        try:
+            self._change(_lights.removed(self.document.data, index), message)
+        except scrim.Error:
+            self._muted = muted
+            raise
+
     def _on_highlight(self, message: Mapping) -> None:
         """A light is to shine where the page was clicked."""
         index, x, y = self._light(message)
@@ -166,9 +190,11 @@ class Session:
         name = message.get("name")
         if name not in self.opened.cameras:
             raise scrim.UsageError(f"the stage has no camera {name!r}")
-        camera = self.opened.keeps.through(name).scene(self.frame)["camera"]
+        through = self.opened.keeps.through(name)
+        camera = through.scene(self.frame)["camera"]
         self._viewpoint.free = None
         self._change([(("camera",), None), (("camera",), camera)], message)
+        self._through = (through, self.document.data["camera"])
 
     def _on_muted(self, message: Mapping) -> None:
         names = message.get("names")
@@ -179,23 +205,35 @@ class Session:
         self._update(moves=False)
 
     def _on_frame(self, message: Mapping) -> None:
-        number = _messages.whole(message.get("number"))
-        before, self.frame = self.frame, number
-        try:
-            self._read(self.document.text)
-        except scrim.Error:
-            self.frame = before
-            raise
+        self._go_to(_messages.whole(message.get("number")))
         self._update(moves=not message.get("done", True))
 
     def _on_play(self, message: Mapping) -> None:
         self.player.play(bool(message.get("on")))
         self._update(moves=False)
 
+    def _go_to(self, number: int) -> None:
+        """Reads the scene of a frame. Raises scrim.Error; the frame stays then."""
+        before, self.frame = self.frame, number
+        try:
+            if self.opened.text_at is None:
+                self._read(self.document.text)
+                return
+            base, instead = self.opened.text_at(number), {}
+            if self._through and self.document.data.get("camera") == self._through[1]:
+                instead["camera"] = rounded(self._through[0].scene(number)["camera"])
+            text = self.document.on_base(base, instead)
+            self._read(text)
+        except scrim.Error:
+            self.frame = before
+            raise
+        self.document.take_base(base, text)
+        if instead:
+            self._through = (self._through[0], self.document.data["camera"])
+
     def show_frame(self, number: int) -> bool:
         """Goes to a frame while frames are played. Whether its picture is there; otherwise it is rendered."""
-        self.frame = number
-        self._read(self.document.text)
+        self._go_to(number)
         self._wanted = self._now(moves=False)
         kept = self.player.find(self._look(), number)
         if kept is None:
@@ -205,6 +243,11 @@ class Session:
         self.pictures = kept
         self._show()
         return True
+
+    @property
+    def _name(self) -> str:
+        """What messages call the scene."""
+        return os.path.basename(self.opened.input)
 
     @property
     def fps(self) -> float:
@@ -259,7 +302,7 @@ class Session:
     def _read(self, text: str) -> None:
         """Reads a scene with the engine, which says what is wrong with it."""
         reader = scrim.loads(
-            text, folder=self.opened.folder, name=os.path.basename(self.opened.input), ocio=self.opened.ocio,
+            text, folder=self.opened.folder, name=self._name, ocio=self.opened.ocio,
             sharing=self._reader, checked_frame=self.frame,
         )  # fmt: skip
         self._resolved = reader.resolved(self.frame)
@@ -327,13 +370,10 @@ class Session:
         """All that the page shows beside the pictures."""
         return {
             "type": "state",
-            "title": os.path.basename(self.opened.input),
+            "title": self._name,
             "file": os.path.basename(self.document.file),
             "others": self.opened.others,
-            "groups": [
-                {"kind": g.kind, "name": g.name, "title": g.title, "controls": [c.as_data() for c in g.controls]}
-                for g in groups_of(self.document.data, self._viewpoint.up)
-            ],
+            "groups": self._groups(),
             "muted": sorted(self._muted),
             "weights": self.weights(),
             "frame": self.frame,
@@ -378,8 +418,17 @@ class Session:
 
     def error(self) -> dict | None:
         """What a verification of the picture found: see `verification` of `--stats`. None where there was none."""
+        frame = self.verified()
+        return frame.stats["verification"] if frame is not None else None
+
+    def verified(self) -> scrim.Frame | None:
+        """The frame that is the picture, where it was verified."""
         frame = self.exact_frame()
-        return frame.stats["verification"] if frame is not None and frame.error is not None else None
+        return frame if frame is not None and frame.error is not None else None
+
+    def verified_pixels(self) -> dict:
+        """What the page shows of its pixels."""
+        return verified(self.verified(), self.document.data, self._viewpoint.resolution)
 
     def progress(self) -> float | None:
         return self._renderer.progress
@@ -396,5 +445,24 @@ class Session:
 
         self._later(0.0, take)
 
-    def _lost(self, text: str) -> None:
-        self._later(0.0, lambda: self._tell({"type": "error", "text": text}))
+    def _lost(self, text: str, wanted: Wanted) -> None:
+        def tell() -> None:
+            self._failed = (wanted.text, text)
+            self._tell({"type": "error", "text": text})
+            self.send_state()
+
+        self._later(0.0, tell)
+
+    def _groups(self) -> list[dict]:
+        """The controls, as data. That of an expression with a mistake has it, too."""
+        groups = [
+            {"kind": g.kind, "name": g.name, "title": g.title, "folded": g.folded,
+             "controls": [c.as_data() for c in g.controls]}
+            for g in groups_of(self.document.data, self._viewpoint.up)
+        ]  # fmt: skip
+        text, error = self._failed
+        if text == self.document.text and (found := _code.mistake(text, self._name, error)):
+            for group in groups:
+                if (group["kind"], group["name"]) == ("code", found["volume"]):
+                    group["controls"][0]["mistake"] = found
+        return groups

@@ -11,16 +11,20 @@ export class Handles {
     }
 
     update(handles) {
+        let added = null; // is in use at once
         const names = new Set(handles.map(({ light }) => light));
         for (const [name, button] of this.buttons) {
             if (names.has(name)) continue;
             button.remove();
             this.buttons.delete(name);
         }
+        const isOpen = this.buttons.size > 0;
         for (const handle of handles) {
+            if (isOpen && !this.buttons.has(handle.light)) added = handle.light;
             if (!this.buttons.has(handle.light)) this.buttons.set(handle.light, this.root.appendChild(this.#button(handle)));
             if (this.held !== handle.light) this.#put(handle.light, handle.x, handle.y);
         }
+        if (added) this.select(added);
         if (!names.has(this.selected)) this.select(handles[0]?.light ?? null);
     }
 

@@ -5,10 +5,11 @@ import { Handles } from "./handles.js";
 import { Looks } from "./looks.js";
 import { Panel } from "./panel.js";
 import { Picture } from "./picture.js";
+import { Verified } from "./verified.js";
 import { drawBox, showBox, steer } from "./steer.js";
 
 const RETRY_MS = 500; // until a lost connection is tried again
-const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare", l: "layers", h: "lights", r: "region", " ": "play" };
+const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare", l: "layers", h: "lights", r: "region", n: "error-next", " ": "play" };
 
 const by = (id) => document.getElementById(id);
 const canvas = by("picture");
@@ -39,6 +40,7 @@ try {
 
 function send(message) {
     if (socket?.readyState !== WebSocket.OPEN) return;
+    if (!["display", "save"].includes(message.type)) verified.show(false); // until the picture is verified again
     socket.send(JSON.stringify({ ...message, serial: ++serial }));
     sent.set(serial, performance.now());
 }
@@ -64,6 +66,7 @@ function hear(message) {
         moved = message.handles;
         return weigh(message.weights, message.serial);
     }
+    if (message.type === "verified") verified.take(message);
     if (message.type === "frame") showFrame(message.number);
     if (message.type === "progress") {
         by("progress").value = message.part ?? 0;
@@ -133,6 +136,7 @@ function showStage() {
     const error = stage.error ? `, error ${percent(stage.error.error)} of ${stage.error.pixels} pixels` : "";
     by("status").textContent = stage.seconds ? `${text} (${stage.seconds.toFixed(2)} s${error})` : text;
     document.body.dataset.stage = stage.exact ? "exact" : stage.stage ?? "";
+    verified.show(stage.exact && Boolean(stage.error));
     document.body.dataset.layers = stage.layers ? "ready" : "";
     by("download").style.visibility = stage.exact ? "visible" : "hidden";
 }
@@ -147,6 +151,8 @@ function showState(message) {
     by("redo").disabled = !state.redo;
     by("save").disabled = !state.file || !state.changed;
     by("keep-view").disabled = by("scene-camera").disabled = !state.free;
+    const isWrong = state.groups.some(({ controls }) => controls.some(({ mistake }) => mistake));
+    if (isWrong) by("status").textContent = "the code has a mistake: the last picture";
     if (state.message) by("status").textContent = state.message;
     fillViews();
     by("open").hidden = !state.others.length;
@@ -227,6 +233,7 @@ function resize() {
     if (before !== `${canvas.style.width} ${picture?.full}`) redraw();
     placeWipe();
     handles.fit();
+    verified.draw();
     showBox(canvas, by("box"), state.region && state.region.map((v, i) => v / state.resolution[i % 2]));
 }
 
@@ -239,7 +246,11 @@ const panel = new Panel(by("panel"), (control, value, done) => {
     if (!done) foresee(control, value);
     control.value = value;
     if (done) ++step;
-}, (names) => send({ type: "muted", names }));
+}, (names) => send({ type: "muted", names }), (light) => send({ type: "remove", light }));
+by("add-light").addEventListener("change", () => {
+    send({ type: "add", light: by("add-light").value });
+    by("add-light").value = "";
+});
 
 const handles = new Handles(by("handles"), canvas, (light, x, y, done) => {
     send({ type: "place", light, x, y, done, step: `place ${light} ${step}` });
@@ -249,6 +260,7 @@ click("lights", () => {
     by("handles").hidden = !by("handles").hidden;
     by("lights").setAttribute("aria-pressed", String(!by("handles").hidden));
 });
+const verified = new Verified(by, canvas, () => state.resolution);
 let isDrawing = false; // a region
 const draws = (on) => by("region").setAttribute("aria-pressed", String((isDrawing = on) || Boolean(state?.region)));
 click("region", () => {
@@ -271,6 +283,7 @@ function showPixel(event) {
     const box = canvas.getBoundingClientRect();
     const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
     if (!picture || x < 0 || y < 0 || x >= 1 || y >= 1) return;
+    verified.point(x, y);
     const value = picture.valueAt(x, y);
     if (!value) return;
     const place = `${Math.floor(x * state.resolution[0])}, ${Math.floor(y * state.resolution[1])}`;
@@ -338,7 +351,7 @@ by("wipe").addEventListener("pointermove", (event) => {
 
 addEventListener("resize", resize);
 addEventListener("keydown", (event) => {
-    if (event.target.matches("input, select") || (event.key === " " && event.target.matches("button"))) return;
+    if (event.target.matches("input, select, textarea") || (event.key === " " && event.target.matches("button, summary"))) return;
     if (event.ctrlKey || event.metaKey) {
         const id = { z: event.shiftKey ? "redo" : "undo", s: "save" }[event.key.toLowerCase()];
         if (!id) return;
@@ -363,6 +376,7 @@ globalThis.scrim = {
     get pending() { return sent.size; },
     get isConnected() { return socket?.readyState === WebSocket.OPEN; },
     get isSettled() { return stage.serial >= (state?.serial ?? Infinity) && serial === state.serial; },
+    verified,
     cut: () => socket.close(),
     readPixels: () => picture.readPixels(),
 };

@@ -3,17 +3,17 @@
 //
 // Elements are kept while the list has the same controls, so that a slider under the finger stays where it is.
 
+import { code } from "./code.js";
 import { curve } from "./curves.js";
 import { element, encoded, linear, short } from "./values.js";
 
 const STEPS = 1000; // of a slider
 
 export class Panel {
-    /** `change(control, value, done)`: a control was moved, or let go; `mute(names)`: layers that do not shine. */
-    constructor(root, change, mute) {
-        this.root = root;
-        this.change = change;
-        this.mute = mute;
+    /** `change(control, value, done)`: a control was moved, or let go; `mute(names)`: layers that do not shine;
+        `remove(light)`: a light goes. */
+    constructor(root, change, mute, remove) {
+        Object.assign(this, { root, change, mute, remove });
         this.known = "";
         this.setters = new Map();
         this.controls = new Map(); // as the viewer said them last, with the values that were changed since
@@ -28,7 +28,10 @@ export class Panel {
             this.known = names;
             this.setters.clear();
             this.layers = groups.filter((g) => g.kind === "light" || g.kind === "ambient").map(layerOf);
-            this.root.replaceChildren(...groups.map((group) => this.#group(group)));
+            const open = new Map([...this.root.querySelectorAll("details")].map((one) => [one.dataset.title, one.open]));
+            const used = this.root.contains(document.activeElement) ? document.activeElement : null;
+            this.root.replaceChildren(...groups.map((group) => this.#group(group, open)));
+            this.used = used;
         }
         for (const group of groups) {
             for (const control of group.controls) {
@@ -36,11 +39,21 @@ export class Panel {
                 this.setters.get(control.id)?.(control);
             }
         }
+        this.#goOn();
         for (const button of this.root.querySelectorAll("button[data-layer]")) {
             const name = button.dataset.layer;
             const isOn = button.dataset.does === "mute" ? this.muted.has(name) : this.solo === name;
             button.setAttribute("aria-pressed", String(isOn));
         }
+    }
+
+    /** Goes on with the element that was in use before all of them were made anew. */
+    #goOn() {
+        const label = this.used?.ariaLabel;
+        const same = label && [...this.root.querySelectorAll("[aria-label]")].find((one) => one.ariaLabel === label);
+        if (same) same.focus({ preventScroll: true });
+        if (same?.matches("textarea")) same.setSelectionRange(this.used.selectionStart, this.used.selectionEnd);
+        this.used = null;
     }
 
     /** Leaves all other layers out, or takes them in again. */
@@ -49,10 +62,23 @@ export class Panel {
         this.mute(this.solo === null ? [] : this.layers.filter((other) => other !== name));
     }
 
-    #group(group) {
+    /** `open`: which of those that fold the user has open, by title. */
+    #group(group, open) {
+        if (["shading", "code"].includes(group.kind)) {
+            const fold = element("details", { className: "group", open: open.get(group.title) ?? !group.folded });
+            fold.dataset.title = group.title;
+            const summary = fold.appendChild(element("summary"));
+            summary.append(element("h2", { textContent: group.title }));
+            fold.append(...group.controls.map((control) => this.#row(control, group)));
+            return fold;
+        }
         const root = element("section", { className: "group" });
         const head = root.appendChild(element("div", { className: "head" }));
         head.append(element("h2", { textContent: group.title }));
+        if (group.kind === "light") {
+            const button = head.appendChild(element("button", { textContent: "Remove", ariaLabel: `Remove ${group.name}` }));
+            button.addEventListener("click", () => this.remove(group.name));
+        }
         if (group.kind === "light" || group.kind === "ambient") {
             head.append(this.#layerButton(group, "mute", "Mute"), this.#layerButton(group, "solo", "Solo"));
         }
@@ -76,12 +102,12 @@ export class Panel {
     #row(control, group) {
         const row = element("div", { className: "row" });
         const label = `${group.title} ${control.label}`;
-        row.append(element("span", { textContent: control.label + (control.unit ? ` (${control.unit})` : "") }));
+        if (control.kind !== "code") row.append(element("span", { textContent: control.label + (control.unit ? ` (${control.unit})` : "") }));
         if (control.keyed) {
-            row.append(element("span", { className: "keyed", textContent: "has keys: edit the file" }));
+            row.append(element("span", { className: "keyed", textContent: control.kind === "code" ? "is in a file of its own" : "has keys: edit the file" }));
             return row;
         }
-        const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox, ramp: curve, colours: curve, transfer: curve }[control.kind];
+        const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox, code, ramp: curve, colours: curve, transfer: curve }[control.kind];
         const { parts, set } = make(control, label, (value, done) => this.change(this.controls.get(control.id), value, done));
         row.append(...parts);
         this.setters.set(control.id, set);
