@@ -149,7 +149,7 @@ void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Shot
             return;
         }
         const PromisedDials& chosen = promised->second;
-        if (chosen.expected > 1.01 * chosen.promised)
+        if (chosen.expected > 1.05 * chosen.promised)
             notify(
                 options.messages, Severity::warning,
                 fmt::format("the preset '{}' promises an error of {:.2g} %, but the finest texels and sheets that it "

@@ -66,7 +66,7 @@ ToleranceModel expectedModel(double pilot, double slant, bool classified) {
     // In 27 scenes drawn at random (tests/tools/bench/promises_scenes.py, seed 1001), texels of one voxel left an error
     // of 0.43 pilot^0.89, within a factor of 1.3 for two of three scenes; sheets of one voxel left a tenth to a third
     // of that. Surfaces, whose field is not taken from texels, have more of their error from sheets.
-    constexpr double kMargin = 1.65, kSurfaceMargin = 1.5, kSheets = 0.25, kSurfaceSheets = 0.7;
+    constexpr double kMargin = 1.65, kSurfaceMargin = 1.5, kSheets = 0.25, kSurfaceSheets = 0.9;
     // Sheets of one voxel, in smoke1.vdb with the sun at 0, 35 and 70 degrees to the view and the same from behind,
     // left 0.1 to 0.2, 0.35 to 0.8 and 0.9 to 1.7 %. The random scenes above average over slants of about 0.55.
     constexpr double kMeanSlant = 0.55, kUpright = 0.2;
