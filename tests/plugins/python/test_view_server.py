@@ -2,12 +2,15 @@
 """`scrim view` without a browser: what it shows, saves and refuses, by real requests to its own process."""
 
 import asyncio
+import gc
 import os
 import shlex
 import signal
 import subprocess
 import sys
 import threading
+import weakref
+from dataclasses import replace
 from pathlib import Path
 
 import numpy
@@ -419,7 +422,7 @@ class Serving:
         self.server, self.problem = _server.Server(opening, self.door), None
         self.port, self.token = self.door.port, self.door.token
         self.socket = f"ws://127.0.0.1:{self.port}/socket?token={self.token}"
-        self.thread = threading.Thread(target=self._run)
+        self.thread = threading.Thread(target=self._run, daemon=True)
         self.thread.start()
 
     def _run(self):
@@ -495,3 +498,21 @@ def test_an_asset_is_read_once(tmp_path, program):
     shown = session.exact_frame()
     session.close()
     assert not failed and numpy.array_equal(shown.image.astype(numpy.float16), before)
+
+
+def test_the_volumes_of_an_asset_go_when_another_file_is_opened(tmp_path, program):
+    for name, size in (("a", 150), ("b", 16)):
+        assert program("make", "noise", f"resolution={size}", "-q", "-o", tmp_path / f"{name}.vdb").returncode == 0
+    scenes = [replace(_opening.opened(str(tmp_path / "a.vdb")), others=["a.vdb", "b.vdb"])]
+    first = weakref.ref(scenes[0])
+    assert first().loaded is not None
+    serving = Serving(scenes.pop)
+    browser = Browser(serving)
+    browser.until_exact()
+    browser.send(type="open", name="b.vdb")
+    browser.until(lambda m: m["type"] == "state" and m["title"] == "b.vdb")
+    browser.until_exact()
+    gc.collect()
+    assert first() is None
+    browser.close()
+    serving.end()

@@ -126,6 +126,7 @@ class Server:
             return False
         self._opened = made.result()
         self.session = self._begin(self._opened)
+        self._opened = replace(self._opened, loaded=None)
         for browser in list(self.browsers):
             browser.greet()
         return True

@@ -41,7 +41,7 @@ class Session:
         later: Callable[[float, Callable[[], object]], object],
         serial: int = 0,
     ) -> None:
-        self.opened = opened
+        self.opened = replace(opened, loaded=None)  # it is the renderer's
         self._tell, self._show, self._later = tell, show, later
         self.document = Document(opened.text, opened.file)
         self._reader: scrim.Shot | None = None
