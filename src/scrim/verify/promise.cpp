@@ -31,7 +31,7 @@ void resolveEdges(PromisedDials& promised, double finest) {
 // surfaces have most of their error from: HIPIP (examples/paper) got texels of 0.59 and sheets of 2.15 voxels at
 // `standard`, which leave 9.5 % where sheets of 1 and 0.75 leave 1.9 and 1.3 %.
 void boundSurfaces(PromisedDials& promised, double finest) {
-    constexpr double kCoarsest = 2, kThickest = 1.25;  // relative to `finest`, and to texels
+    constexpr double kCoarsest = 1.5, kThickest = 1.25;  // relative to `finest`, and to texels
     Dials& dials = promised.dials;
     dials.texel = std::min(dials.texel, kCoarsest * finest);
     const double thickest = std::max(finest, std::floor(100 * kThickest * dials.texel) / 100);

@@ -293,8 +293,8 @@ TEST(Classified, LightsThatClassifyAlongTheirOwnRaysLeaveLessErrorThanTexels) {
     EXPECT_LT(along, 0.9 * texels) << along;
 }
 
-// Texels of 1.5 voxels know little of a surface between them. What the eye sees of it is still right: what is left comes
-// from sheets of a quarter of a voxel.
+// Texels of 1.5 voxels know little of a surface between them. What the eye sees of it is still right: what is left
+// comes from sheets of a quarter of a voxel.
 TEST(Classified, SeenSurfacesDoNotShowTheTexels) {
     Classified look = transferOf({{0.3, Rgb(1), 0}, {0.35, Rgb(1, 0.6, 0.3), 3}, {1, Rgb(0.3, 0.6, 1), 3}});
     ViewScene scene = classifiedScene(smokeField(24), look, 60, 96);
