@@ -124,9 +124,9 @@ TEST(ExtendedLights, ConvergeToBruteForceAsSubLightsGetMore) {
     }
 }
 
-// With enough sub-lights the rest of the error is the cells'. A quarter of their edge leaves a quarter of it or a little
-// more (measured: 4.4 to 6.6 % with cells of two voxels, 1.2 to 2.5 % with half a voxel): below a voxel, cells see
-// voxels as cubes, and not as the kernel does. The smoke's features are a few voxels in size, the hardest case.
+// With enough sub-lights the rest of the error is the cells'. A quarter of their edge leaves a quarter of it or a
+// little more (measured: 4.4 to 6.6 % with cells of two voxels, 1.2 to 2.5 % with half a voxel): below a voxel, cells
+// see voxels as cubes, and not as the kernel does. The smoke's features are a few voxels in size, the hardest case.
 TEST(ExtendedLights, OnCellsConvergeToBruteForceAsTheCellsGetSmaller) {
     for (const Lit& lit : lights()) {
         ViewScene scene = smoke(lit.light);
