@@ -18,9 +18,11 @@ import struct
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Browser, Page, Playwright, sync_playwright
 
 HERE = Path(__file__).resolve().parent
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
@@ -203,15 +205,28 @@ def slide(page: Page, film: Film, label: str, ways: tuple[int, int]) -> None:
     film.rest(7)
 
 
+@contextmanager
+def viewer_of(scene: str) -> Iterator[str]:
+    """Runs `scrim view`; gives the address at which it listens."""
+    words = [sys.executable, "-m", "scrim.view", scene, "--no-browser"]
+    viewer = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    try:
+        yield viewer.stdout.readline().split(": ", 1)[1].strip()
+    finally:
+        viewer.terminate()
+        viewer.wait()
+
+
+def chromium_of(kit: Playwright) -> Browser:
+    return kit.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+
+
 def main() -> None:
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE / "viewer.webp"
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as kit:
         (Path(folder) / "smoke.toml").write_text(SCENE)
-        words = [sys.executable, "-m", "scrim.view", f"{folder}/smoke.toml", "--no-browser"]
-        viewer = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
-        try:
-            url = viewer.stdout.readline().split(": ", 1)[1].strip()
-            chromium = kit.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        with viewer_of(f"{folder}/smoke.toml") as url:
+            chromium = chromium_of(kit)
             view = {"width": SIZE[0], "height": SIZE[1]}
             page = chromium.new_page(bypass_csp=True, viewport=view)
             page.goto(url)
@@ -221,9 +236,6 @@ def main() -> None:
             film.write(path)
             print(f"{path}: {len(film.pictures)} pictures, {path.stat().st_size / 1000:.0f} kB")
             chromium.close()
-        finally:
-            viewer.terminate()
-            viewer.wait()
 
 
 if __name__ == "__main__":

@@ -126,9 +126,8 @@ they keep; they cannot be written to: copy what you want to change.)")
         .def_prop_ro("examined", &examinedOf,
                      nb::sig("def examined(self) -> dict[str, numpy.typing.NDArray[typing.Any]] | None"),
                      "The pixels that counted in a verification, in the order in which they were drawn: 'place' (n, "
-                     "2), x and y in "
-                     "the display window; 'picture' and 'truth' (n, 4), premultiplied R, G, B, A in the working space. "
-                     "None where the frame was not verified.")
+                     "2), x and y in the display window; 'picture' and 'truth' (n, 4), premultiplied R, G, B, A in the "
+                     "working space. None where the frame was not verified.")
         .def(
             "require_accuracy", &requireAccuracy,
             "Raises AccuracyError where the frame's tolerance, or the convergence of scattered light, was not reached.")

@@ -14,6 +14,17 @@ bool solidsBlock(const ViewScene& scene) {
     return scene.solids && scene.solids->any(SolidRole::shadow);
 }
 
+bool greyExtinction(const ViewScene& scene) {
+    return std::all_of(scene.volumes.begin(), scene.volumes.end(),
+                       [](const ViewVolume& v) { return v.classified || isGrey(v.medium.extinctionTint); });
+}
+
+bool greyScattering(const ViewScene& scene) {
+    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
+               return !scattersFully(v) || (v.scatter.empty() && isGrey(v.medium.albedo));
+           });
+}
+
 bool wants(const ViewScene& scene, Layer layer) {
     return std::find(scene.layers.begin(), scene.layers.end(), layer) != scene.layers.end();
 }

@@ -136,6 +136,10 @@ struct ViewScene {
 
 bool wants(const ViewScene& scene, Layer layer);
 
+/// True if extinction is the same in all colours, and if what scatters more than once is, too.
+bool greyExtinction(const ViewScene& scene);
+bool greyScattering(const ViewScene& scene);
+
 /// True if solids stop light.
 bool solidsBlock(const ViewScene& scene);
 

@@ -55,56 +55,6 @@ class FieldMap {
     std::vector<float> m_most;
 };
 
-// The values of a box of voxels, 0 where none is active: a look-up in it is cheaper than one in the field.
-class DenseBox {
-  public:
-    // `lower` to `upper`: voxels.
-    void fill(const BlockIndex& index, const Int3& lower, const Int3& upper) {
-        m_lower = lower;
-        m_size = upper - lower + 1;
-        m_values.resize(std::size_t(m_size.x) * std::size_t(m_size.y) * std::size_t(m_size.z));
-        const Int3 first = lower >> 3, last = upper >> 3;
-        for (int x = first.x; x <= last.x; ++x)
-            for (int y = first.y; y <= last.y; ++y)
-                for (int z = first.z; z <= last.z; ++z) copy(index.at({x, y, z}), {x, y, z});
-    }
-    // Interpolates linearly; the eight voxels around `is` must be in the box.
-    double at(const Vec3& is) const {
-        const Vec3 floor = glm::floor(is);
-        return at(Int3(floor), is - floor);
-    }
-    // The same for voxel `base` and `f` in [0, 1) beyond it.
-    double at(const Int3& base, const Vec3& f) const {
-        const float* v = m_values.data() + offset(base);
-        const std::size_t x = std::size_t(m_size.y) * std::size_t(m_size.z), y = std::size_t(m_size.z);
-        const auto between = [](double a, double b, double t) { return a + t * (b - a); };
-        const auto along = [&](const float* at) { return between(double(at[0]), double(at[1]), f.z); };
-        return between(between(along(v), along(v + y), f.y), between(along(v + x), along(v + x + y), f.y), f.x);
-    }
-
-  private:
-    std::size_t offset(const Int3& is) const {
-        const Int3 at = is - m_lower;
-        return (std::size_t(at.x) * std::size_t(m_size.y) + std::size_t(at.y)) * std::size_t(m_size.z) +
-               std::size_t(at.z);
-    }
-    void copy(const BlockIndex::Place& place, const Int3& cube) {
-        const Int3 origin = cube * kBlockEdge;
-        const Int3 from = glm::max(origin, m_lower), to = glm::min(origin + kBlockEdge, m_lower + m_size);
-        for (int x = from.x; x < to.x; ++x)
-            for (int y = from.y; y < to.y; ++y) {
-                float* row = m_values.data() + offset({x, y, from.z});
-                if (place.values)
-                    std::copy_n(place.values + blockOffset(x & 7, y & 7, from.z & 7), to.z - from.z, row);
-                else
-                    std::fill_n(row, to.z - from.z, place.constant);
-            }
-    }
-
-    Int3 m_lower{0}, m_size{0};
-    std::vector<float> m_values;
-};
-
 // Visits the blocks that the box (index space) touches.
 template <typename Visit>
 void visitBlocks(const Bounds& is, const Visit& visit) {
@@ -156,7 +106,7 @@ struct FieldMover::Parts {
 
     // Adds to `velocities` the velocities at the voxels of the block whose first voxel is `origin`, in blockOffset
     // order. `wsFromIs` belongs to the block.
-    void addVelocities(const Mat4& wsFromIs, const Int3& origin, DenseBox& box, Vec3* velocities) const;
+    void addVelocities(const Mat4& wsFromIs, const Int3& origin, FieldBrick& brick, Vec3* velocities) const;
 
     // The first voxels of the blocks that the field may touch when it has moved for `time` and lies at `wsFromIs`.
     // `ways` turns a box around displacements in asset space into one in index space, relative to that.
@@ -207,9 +157,9 @@ Vec3 FieldMover::Parts::mean(const SparseField& field) const {
             sums[b].weight += weight;
         };
         if (b < field.blockCount()) {
-            DenseBox box;
+            FieldBrick brick;
             std::array<Vec3, kBlockVoxels> velocities{};
-            addVelocities(field.wsFromIs, field.blockOrigins[b], box, velocities.data());
+            addVelocities(field.wsFromIs, field.blockOrigins[b], brick, velocities.data());
             for (std::size_t i = 0; i < kBlockVoxels; ++i) add(velocities[i], double(field.block(b)[i]));
         } else {
             const ConstantTile& tile = field.tiles[b - field.blockCount()];
@@ -225,7 +175,8 @@ Vec3 FieldMover::Parts::mean(const SparseField& field) const {
     return all.weight > 0 ? all.v / all.weight : Vec3(0);
 }
 
-void FieldMover::Parts::addVelocities(const Mat4& wsFromIs, const Int3& origin, DenseBox& box, Vec3* velocities) const {
+void FieldMover::Parts::addVelocities(const Mat4& wsFromIs, const Int3& origin, FieldBrick& brick,
+                                      Vec3* velocities) const {
     for (std::size_t p = 0; p < maps.size(); ++p) {
         const Mat4 partFromIs = maps[p].isFromWs() * wsFromIs;
         const Bounds is = transformed(partFromIs, boxOf(origin >> 3));
@@ -240,8 +191,9 @@ void FieldMover::Parts::addVelocities(const Mat4& wsFromIs, const Int3& origin, 
         // The lattices differ by a shift, so all weights are the same.
         const Vec3 first = transformPoint(partFromIs, Vec3(origin)), floor = glm::floor(first);
         const Int3 base(floor);
-        box.fill(maps[p].index(), base, base + kBlockEdge);
-        for (int i = 0; i < kBlockVoxels; ++i) velocities[i][axis] += sign * box.at(base + voxelOf(i), first - floor);
+        brick.fill(maps[p].index(), base, base + kBlockEdge);
+        for (int i = 0; i < kBlockVoxels; ++i)
+            velocities[i][axis] += sign * brick.value(base + voxelOf(i), first - floor);
     }
 }
 
@@ -305,9 +257,9 @@ FieldPointer FieldMover::moved(const FieldPointer& field, double time) const {
     const std::vector<Int3> origins = pieces.blockOrigins;
     const Bounds all = field->isBounds();
     pieces.fill = [&, wsFromIs = pieces.wsFromIs](std::size_t b, float* to) {
-        DenseBox box;
+        FieldBrick brick;
         std::array<Vec3, kBlockVoxels> at{};
-        m_parts->addVelocities(wsFromIs, origins[b], box, at.data());
+        m_parts->addVelocities(wsFromIs, origins[b], brick, at.data());
         Bounds sampled;
         for (int i = 0; i < kBlockVoxels; ++i) {
             at[std::size_t(i)] = Vec3(origins[b] + voxelOf(i)) - linear * (time * at[std::size_t(i)] - mean);
@@ -318,8 +270,8 @@ FieldPointer FieldMover::moved(const FieldPointer& field, double time) const {
         const Vec3 edges = sampled.size();
         const bool near = glm::all(glm::lessThan(glm::abs(sampled.center() - all.center()), all.size() + kMostEdge));
         if (near && std::max({edges.x, edges.y, edges.z}) < kMostEdge) {
-            box.fill(from.index(), Int3(glm::floor(sampled.lower)), Int3(glm::floor(sampled.upper)) + 1);
-            for (int i = 0; i < kBlockVoxels; ++i) to[i] = static_cast<float>(box.at(at[std::size_t(i)]));
+            brick.fill(from.index(), Int3(glm::floor(sampled.lower)), Int3(glm::floor(sampled.upper)) + 1);
+            for (int i = 0; i < kBlockVoxels; ++i) to[i] = static_cast<float>(brick.value(at[std::size_t(i)]));
         } else {
             for (int i = 0; i < kBlockVoxels; ++i) to[i] = static_cast<float>(from.at(at[std::size_t(i)]));
         }

@@ -70,20 +70,16 @@ double FieldSampler::linear(const Vec3& is) const {
         const Bounds region = regionOf(places[0], cube);
         if (region.contains(is)) return places[0].constant;
     }
-    double corners[8];
-    if (across == 0 && places[0].values) {
-        const float* const first = places[0].values + blockOffset(base.x & 7, base.y & 7, base.z & 7);
-        for (int i = 0; i < 8; ++i) corners[i] = first[blockOffset(i >> 2, i >> 1 & 1, i & 1)];
-    } else {
-        for (int i = 0; i < 8; ++i) {
-            const Int3 step(i >> 2, i >> 1 & 1, i & 1);
-            if (i > 0 && (i & across) == i) places[i] = m_index.at(cube + step);
-            corners[i] = places[i & across].voxel(base + step);
-        }
+    if (across == 0 && places[0].values)
+        return trilinear(places[0].values + blockOffset(base.x & 7, base.y & 7, base.z & 7), blockOffset(1, 0, 0),
+                         blockOffset(0, 1, 0), f);
+    float corners[8];
+    for (int i = 0; i < 8; ++i) {
+        const Int3 step(i >> 2, i >> 1 & 1, i & 1);
+        if (i > 0 && (i & across) == i) places[i] = m_index.at(cube + step);
+        corners[i] = static_cast<float>(places[i & across].voxel(base + step));
     }
-    const auto between = [](double a, double b, double t) { return a + t * (b - a); };
-    return between(between(between(corners[0], corners[1], f.z), between(corners[2], corners[3], f.z), f.y),
-                   between(between(corners[4], corners[5], f.z), between(corners[6], corners[7], f.z), f.y), f.x);
+    return trilinear(corners, 4, 2, f);
 }
 
 bool FieldSampler::emptyAround(const Vec3& is, double radius) const {
@@ -117,47 +113,36 @@ double FieldSampler::evenAlong(const Vec3& is, const Vec3& direction, double rad
     return std::max(way, 0.0);
 }
 
+void FieldBrick::fill(const BlockIndex& index, const Int3& lower, const Int3& upper) {
+    m_lower = lower;
+    m_size = upper - lower + 1;
+    m_values.resize(std::size_t(m_size.x) * std::size_t(m_size.y) * std::size_t(m_size.z));
+    const Int3 first = lower >> 3, last = upper >> 3;
+    for (int x = first.x; x <= last.x; ++x)
+        for (int y = first.y; y <= last.y; ++y)
+            for (int z = first.z; z <= last.z; ++z) copy(index.at({x, y, z}), {x, y, z});
+}
+
 bool FieldBrick::fill(const FieldSampler& field, const Bounds& is) {
     constexpr double kMostVoxels = 1 << 15;
     if (field.kernel() != Kernel::linear) return false;
-    const Vec3 lower = glm::floor(is.lower) - 1.0, size = glm::floor(is.upper) + 3.0 - lower;
+    const Vec3 lower = glm::floor(is.lower), upper = glm::floor(is.upper) + 1.0, size = upper - lower + 1.0;
     if (!(size.x * size.y * size.z <= kMostVoxels)) return false;
-    m_lower = Int3(lower);
-    m_size = Int3(size);
-    m_values.resize(std::size_t(m_size.x * m_size.y * m_size.z));
-    const Int3 last = m_lower + m_size - 1;
-    for (int cx = m_lower.x >> 3; cx <= last.x >> 3; ++cx)
-        for (int cy = m_lower.y >> 3; cy <= last.y >> 3; ++cy)
-            for (int cz = m_lower.z >> 3; cz <= last.z >> 3; ++cz) {
-                const BlockIndex::Place place = field.index().at({cx, cy, cz});
-                const Int3 first = Int3(cx, cy, cz) * kBlockEdge, from = glm::max(first, m_lower),
-                           to = glm::min(first + (kBlockEdge - 1), last);
-                const int run = to.z - from.z + 1;
-                for (int x = from.x; x <= to.x; ++x)
-                    for (int y = from.y; y <= to.y; ++y) {
-                        const Int3 at = Int3(x, y, from.z) - m_lower;
-                        float* const out = m_values.data() + (at.x * m_size.y + at.y) * m_size.z + at.z;
-                        if (place.values)
-                            std::copy_n(place.values + blockOffset(x & 7, y & 7, from.z & 7), run, out);
-                        else
-                            std::fill_n(out, run, place.constant);
-                    }
-            }
+    fill(field.index(), Int3(lower), Int3(upper));
     return true;
 }
 
-float FieldBrick::value(const Vec3& is) const {
-    const Vec3 at = is - Vec3(m_lower);  // not negative
-    const Int3 base(at);
-    const float x = static_cast<float>(at.x - base.x), y = static_cast<float>(at.y - base.y),
-                z = static_cast<float>(at.z - base.z);
-    const float* const here = m_values.data() + (base.x * m_size.y + base.y) * m_size.z + base.z;
-    const float* const next = here + m_size.y * m_size.z;
-    const auto between = [](float a, float b, float t) { return a + t * (b - a); };
-    const auto inPlane = [&](const float* from) {
-        return between(between(from[0], from[1], z), between(from[m_size.z], from[m_size.z + 1], z), y);
-    };
-    return between(inPlane(here), inPlane(next), x);
+void FieldBrick::copy(const BlockIndex::Place& place, const Int3& cube) {
+    const Int3 origin = cube * kBlockEdge;
+    const Int3 from = glm::max(origin, m_lower), to = glm::min(origin + kBlockEdge, m_lower + m_size);
+    for (int x = from.x; x < to.x; ++x)
+        for (int y = from.y; y < to.y; ++y) {
+            float* row = m_values.data() + offset({x, y, from.z});
+            if (place.values)
+                std::copy_n(place.values + blockOffset(x & 7, y & 7, from.z & 7), to.z - from.z, row);
+            else
+                std::fill_n(row, to.z - from.z, place.constant);
+        }
 }
 
 Vec3 FieldBrick::difference(const Vec3& is) const {

@@ -6,6 +6,11 @@
 #include <scrim/volume/block_index.h>
 #include <scrim/volume/kernel.h>
 
+#include <cstddef>
+#include <vector>
+
+#include <glm/common.hpp>
+
 namespace scrim {
 
 /// All positions are in index space. Safe to use from many threads at once.
@@ -43,20 +48,46 @@ class FieldSampler {
     Bounds m_reached;  // outside of it the field is 0
 };
 
-/// A copy of the voxels in a small box, for many look-ups close together, in about a third of FieldSampler's time. For
-/// one thread.
+/// Between the eight voxels from `first` on, whose next ones along x and y are `x` and `y` values away and along z the
+/// next; `f` in [0, 1) from the first of them.
+inline double trilinear(const float* first, std::ptrdiff_t x, std::ptrdiff_t y, const Vec3& f) {
+    const auto between = [](double a, double b, double t) { return a + t * (b - a); };
+    const auto along = [&](const float* at) { return between(double(at[0]), double(at[1]), f.z); };
+    const auto across = [&](const float* at) { return between(along(at), along(at + y), f.y); };
+    return between(across(first), across(first + x), f.x);
+}
+
+/// A copy of the voxels in a small box, 0 where none is active, for many look-ups close together: they take about a
+/// third of FieldSampler's time, and give the same values as its linear kernel. For one thread.
 class FieldBrick {
   public:
-    /// Copies what look-ups within the box `is`, and up to one voxel outside of it, need. Returns false, and copies
-    /// nothing, if the box is too large, or if the field is not interpolated linearly: ask `field` then.
+    /// Copies the voxels `lower` to `upper`.
+    void fill(const BlockIndex& index, const Int3& lower, const Int3& upper);
+    /// Copies the voxels that look-ups within `is` need. Returns false, and copies nothing, if they are too many, or if
+    /// the field is not interpolated linearly: ask `field` then.
     bool fill(const FieldSampler& field, const Bounds& is);
-    float value(const Vec3& is) const;
+
+    /// Interpolates linearly; the eight voxels around `is` must be in the box.
+    double value(const Vec3& is) const {
+        const Vec3 floor = glm::floor(is);
+        return value(Int3(floor), is - floor);
+    }
+    /// The same for voxel `base` and `f` in [0, 1) beyond it.
+    double value(const Int3& base, const Vec3& f) const {
+        return trilinear(m_values.data() + offset(base), std::ptrdiff_t(m_size.y) * m_size.z, m_size.z, f);
+    }
     /// As FieldSampler::difference.
     Vec3 difference(const Vec3& is) const;
 
   private:
+    std::ptrdiff_t offset(const Int3& is) const {
+        const Int3 at = is - m_lower;
+        return (std::ptrdiff_t(at.x) * m_size.y + at.y) * m_size.z + at.z;
+    }
+    void copy(const BlockIndex::Place& place, const Int3& cube);
+
     Int3 m_lower{0}, m_size{0};
-    std::vector<float> m_values;  // (x * m_size.y + y) * m_size.z + z, from m_lower
+    std::vector<float> m_values;
 };
 
 }  // namespace scrim

@@ -7,15 +7,16 @@ Needs the package scrim, tornado, tomlkit, playwright and chromium. Every time i
 screen: to the first animation frame after the one that drew its picture. PICTURE: where a picture of the page goes.
 """
 
-import shutil
 import statistics
-import subprocess
 import sys
 import time
+from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "examples"))
+from viewer import chromium_of, viewer_of  # noqa: E402
+
 PATIENCE = 300_000  # milliseconds
 EVENTS = 60
 
@@ -77,20 +78,14 @@ def measure(page, url, began):
 
 def main(scene, picture=None):
     with sync_playwright() as kit:
-        chromium = kit.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        chromium = chromium_of(kit)
         page = chromium.new_page(bypass_csp=True, viewport={"width": 1280, "height": 760})
         began = time.monotonic()
-        words = [sys.executable, "-m", "scrim.view", scene, "--no-browser"]
-        viewer = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
-        try:
-            url = viewer.stdout.readline().split(": ", 1)[1].strip()
+        with viewer_of(scene) as url:
             print(f"{'listening':<28} {time.monotonic() - began:.2f} s after the command")
             measure(page, url, began)
             if picture:
                 page.screenshot(path=picture, type="jpeg", quality=88)
-        finally:
-            viewer.terminate()
-            viewer.wait()
         chromium.close()
 
 

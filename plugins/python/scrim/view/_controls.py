@@ -133,8 +133,8 @@ class Maker:
         if kind in ("colour", "vector") and not is_keyed and not _is_triple(value):
             return
         given: dict = {"is_keyed": is_keyed, **more}
-        self.controls.append(Control(f"{self._path}.{name}", label, kind, value, 
-                                     lambda it: [(place, round(it) if whole else it)], **given))
+        changes = lambda it: [(place, round(it) if whole else it)]  # noqa: E731
+        self.controls.append(Control(f"{self._path}.{name}", label, kind, value, changes, **given))
 
     def add_pair(self, label: str, keys: Place, default: tuple[float, float], ascends: bool = True,
                  ends: tuple[str, ...] = ("low", "high")) -> None:  # fmt: skip

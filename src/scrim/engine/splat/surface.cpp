@@ -85,7 +85,6 @@ FieldPlanes::Settings settingsOf(const ViewVolume& volume, const Dials& dials) {
 Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                  int batchSheets, double voxel)
     : m_sheets(sheets),
-      m_lattice(lattice),
       m_simd(dials.simd),
       m_look(volume.classified),
       m_table(*volume.classified),
@@ -217,11 +216,16 @@ void Surface::cut(int p, const SampleTile& at, Real* front, Real* middle, Real* 
     }
 }
 
+// The voxels that look-ups within `is` need, for this thread until the next call; null: m_exact must be asked.
+const FieldBrick* Surface::voxelsIn(const Bounds& is) const {
+    thread_local FieldBrick brick;
+    return brick.fill(m_exact, is) ? &brick : nullptr;
+}
+
 // Replaces the field of the splats by that of the volume itself, at the samples whose rays may meet extinction: between
-// texels the field has the edges of voxels, which a surface shows as dents. Returns the voxels around these samples, if
-// they were copied.
-const FieldBrick* Surface::sharpen(int p, const SampleTile& at, const std::uint8_t* open, Real* front, Real* middle,
-                                   Real* back) const {
+// texels the field has the edges of voxels, which a surface shows as dents.
+void Surface::sharpen(int p, const SampleTile& at, const std::uint8_t* open, Real* front, Real* middle,
+                      Real* back) const {
     const double n = m_firstSheet + p, toFace = 0.5 * m_sheets.thickness / m_sheets.texel;
     std::array<int, kTileSize> places;
     std::array<std::array<Vec3, 3>, kTileSize> runs;
@@ -235,21 +239,17 @@ const FieldBrick* Surface::sharpen(int p, const SampleTile& at, const std::uint8
         if (!m_table.anyBetween(least - margin, most + margin)) continue;
         const double u = at.u[k], v = at.v[k], du = toFace * double(at.eyeA[k]), dv = toFace * double(at.eyeB[k]);
         runs[count] = {indexPoint(u - du, v - dv, n), indexPoint(u, v, n + 0.5), indexPoint(u + du, v + dv, n + 1)};
-        box.include(runs[count][0]);
-        box.include(runs[count][2]);
+        for (const Vec3& is : runs[count]) box.include(is);
         places[count++] = k;
     }
-    if (count == 0) return nullptr;
-    thread_local FieldBrick brick;
-    const bool dense = brick.fill(m_exact, box);
+    if (count == 0) return;
+    const FieldBrick* const brick = voxelsIn(box);
     Real* const out[3] = {front, middle, back};
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t end = 0; end < 3; ++end) {
             const Vec3& is = runs[i][end];
-            const Real value = dense ? brick.value(is) : static_cast<Real>(m_exact.value(is));
-            out[end][places[i]] = std::min(value, m_most);
+            out[end][places[i]] = std::min(static_cast<Real>(brick ? brick->value(is) : m_exact.value(is)), m_most);
         }
-    return dense ? &brick : nullptr;
 }
 
 // The splatted field along the rays' course through the sheet.
@@ -290,7 +290,7 @@ bool Surface::classify(int p, const SampleTile& at, const std::uint8_t* open, Cl
     std::fill(out.extinction, out.extinction + kTileSize, Real(0));
     sampleRun(p, at, out.front, out.middle, out.back);
     if (!anyShows(out.front, out.middle, out.back, kVague)) return false;
-    const FieldBrick* const brick = sharpen(p, at, open, out.front, out.middle, out.back);
+    sharpen(p, at, open, out.front, out.middle, out.back);
     cut(p, at, out.front, out.middle, out.back, share);
     if (!anyShows(out.front, out.middle, out.back, 0)) return false;
     for (int k = 0; open && k < kTileSize; ++k)  // a value of 0 has no extinction
@@ -303,19 +303,28 @@ bool Surface::classify(int p, const SampleTile& at, const std::uint8_t* open, Cl
         out.extinction[k] *= share[k];
         for (Real* channel : out.emission) channel[k] *= share[k];
     }
-    findNormals(p, at, brick, out);
+    findNormals(p, at, out);
     return true;
 }
 
-void Surface::findSlopes(int p, const FieldBrick* brick, Some& some) const {
+void Surface::findSlopes(int p, Some& some) const {
+    std::array<Vec3, kTileSize> points;
+    Bounds box;
     for (int i = 0; i < some.count; ++i) {
         const Vec3 is = indexPoint(double(some.at.u[i]), double(some.at.v[i]), m_firstSheet + p + 0.5);
+        points[std::size_t(i)] = is;
+        box.include(is - 1.0);
+        box.include(is + 1.0);
+    }
+    if (some.count == 0) return;
+    const FieldBrick* const brick = voxelsIn(box);
+    const double most = m_most;
+    for (int i = 0; i < some.count; ++i) {
+        const Vec3& is = points[std::size_t(i)];
+        const Vec3 difference = brick ? brick->difference(is) : m_exact.difference(is);
         // Gradients are in units of the vague gradient, so that their squares neither overflow nor vanish, whatever
         // the units of the field.
-        const Vec3 slope =
-            m_ssFromDifference *
-            glm::clamp(brick ? brick->difference(is) : m_exact.difference(is), -double(m_most), double(m_most)) /
-            -m_vagueGradient;
+        const Vec3 slope = m_ssFromDifference * glm::clamp(difference, -most, most) / -m_vagueGradient;
         for (int c = 0; c < 3; ++c) some.slope[c][i] = static_cast<Real>(slope[c]);
     }
 }
@@ -325,16 +334,16 @@ void Surface::weigh(int p, const SampleTile& at, const Real* share, Real* extinc
     for (int k = 0; k < kTileSize && !m_faces.empty(); ++k) extinction[k] *= share[k];
     if (m_look->gradientRamp.empty()) return;
     Some some(at, extinction);
-    findSlopes(p, nullptr, some);
+    findSlopes(p, some);
     for (int i = 0; i < some.count; ++i)
         extinction[some.places[std::size_t(i)]] *=
             static_cast<Real>(gradientFactor(*m_look, m_vagueGradient * std::sqrt(double(some.squared(i)))));
 }
 
-void Surface::findNormals(int p, const SampleTile& at, const FieldBrick* brick, ClassifiedTile& out) const {
+void Surface::findNormals(int p, const SampleTile& at, ClassifiedTile& out) const {
     // Few of a tile's rays meet something in one sheet. Only theirs are looked up.
     Some some(at, out.extinction);
-    findSlopes(p, brick, some);
+    findSlopes(p, some);
     for (Real* axis : out.normal) std::fill(axis, axis + kTileSize, Real(0));
     std::fill(out.weight, out.weight + kTileSize, Real(0));
     const double toCut = cutGradient(*m_look, m_voxel) / m_vagueGradient;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage 2b of a batch: classification (ZC02 Fig. 5, lines 12 and 13). It holds the field of a classified volume in its
-// sheets, with one more on either side; the extinction that its transfer function gives at
-// texels, for lights; and what the eye sees of it at the samples of a tile: extinction, colour and normals.
+// sheets, with one more on either side; the extinction that its transfer function gives at texels, for lights; and what
+// the eye sees of it at the samples of a tile: extinction, colour and normals.
 //
 // Along each eye ray the field is linear between its values on the planes of this sheet and its two neighbours. The
 // transfer function is averaged over the part of that course that lies within the sheet (TransferTable).
@@ -87,15 +87,14 @@ class Surface {
     double depthIn(std::size_t face, double x, double y, double n) const;
     void cut(int p, const SampleTile& at, Real* front, Real* middle, Real* back, Real* share) const;
     void sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back) const;
-    const FieldBrick* sharpen(int p, const SampleTile& at, const std::uint8_t* open, Real* front, Real* middle,
-                              Real* back) const;
+    const FieldBrick* voxelsIn(const Bounds& is) const;
+    void sharpen(int p, const SampleTile& at, const std::uint8_t* open, Real* front, Real* middle, Real* back) const;
     bool anyShows(const Real* front, const Real* middle, const Real* back, Real margin) const;
-    void findSlopes(int p, const FieldBrick* brick, Some& some) const;
+    void findSlopes(int p, Some& some) const;
     void weigh(int p, const SampleTile& at, const Real* share, Real* extinction) const;
-    void findNormals(int p, const SampleTile& at, const FieldBrick* brick, ClassifiedTile& out) const;
+    void findNormals(int p, const SampleTile& at, ClassifiedTile& out) const;
 
     const Sheets& m_sheets;
-    const Lattice& m_lattice;
     Simd m_simd;
     std::shared_ptr<const Classified> m_look;
     TransferTable m_table;

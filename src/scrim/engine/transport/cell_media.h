@@ -3,12 +3,10 @@
 #pragma once
 
 #include <scrim/base/real.h>
-#include <scrim/engine/model/plan.h>
 #include <scrim/engine/transport/cell_grid.h>
 #include <scrim/engine/transport/ordinates.h>
 #include <scrim/scene/view_scene.h>
 
-#include <algorithm>
 #include <functional>
 #include <vector>
 
@@ -78,16 +76,5 @@ CellMedia coarser(const CellMedia& fine);
 void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& coarseRows, const std::vector<Real>& from,
                      const CellGrid& fine, const std::vector<std::int32_t>& fineRows, std::size_t values,
                      std::vector<Real>& to);
-
-/// greyExtinction: extinction is the same in all colours. greyScattering: so is its scattered part.
-inline bool greyExtinction(const ViewScene& scene) {
-    return std::all_of(scene.volumes.begin(), scene.volumes.end(),
-                       [](const ViewVolume& v) { return v.classified || isGrey(v.medium.extinctionTint); });
-}
-inline bool greyScattering(const ViewScene& scene) {
-    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
-               return !scattersFully(v) || (v.scatter.empty() && isGrey(v.medium.albedo));
-           });
-}
 
 }  // namespace scrim
