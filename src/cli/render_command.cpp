@@ -21,11 +21,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <functional>
+#include <future>
+#include <memory>
 #include <optional>
 #include <set>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 namespace scrim::cli {
 namespace {
@@ -36,6 +41,14 @@ constexpr double kWorthSaying = 2;  // seconds from which on a verification is a
 void checkWritable(const std::string& path) {
     if (!path.empty()) const AtomicFile probe(path);
 }
+
+/// A frame whose files are written while the next one is rendered.
+struct FrameBeingWritten {
+    const SceneInput* input;
+    ShotFrame frame;
+    std::vector<std::pair<Severity, std::string>> messages = {};
+    std::future<void> done = {};  // the last member: its destructor waits for the thread
+};
 
 class RenderRun {
   public:
@@ -52,7 +65,11 @@ class RenderRun {
     std::optional<int> frameAfter(const SceneInput& input, int frame);
     RenderOptions optionsOf(const SceneInput& input, int frame);
     void announce(int frame, double seconds);
-    void write(const SceneInput& input, ShotFrame& frame);
+    void renderAll(std::vector<SceneInput>& inputs);
+    static void write(const SceneInput& input, ShotFrame& frame, const MessageSink& messages);
+    bool mayWriteBeside(const SceneInput& input, const ShotFrame& frame) const;
+    void finishWriting();
+    void tell(const ShotReport& report);
     void openDisplay();
     void warnOfLostDisplay();
     void keepMissed(const ShotReport& report);
@@ -65,6 +82,7 @@ class RenderRun {
     std::size_t m_missed = 0;  // number of tolerances that were missed
     std::string m_firstMissed;
     std::optional<DisplayServer> m_display;
+    std::unique_ptr<FrameBeingWritten> m_beside;
 };
 
 void RenderRun::run() {
@@ -83,17 +101,30 @@ void RenderRun::run() {
     int count = 0;
     for (const SceneInput& input : inputs) count += static_cast<int>(input.frames().size());
     m_progress.setFrameCount(count);
-    for (SceneInput& input : inputs)
-        for (const int frame : input.frames()) {
-            throwIfInterrupted();
-            m_progress.beginFrame(frame);
-            renderFrame(input, frame);
-            m_progress.endFrame();
-        }
+    renderAll(inputs);
     if (m_stats) m_stats->finish();
     if (m_missed == 0) return;
     const std::string others = m_missed > 1 ? fmt::format(" (and {} more frames)", m_missed - 1) : "";
     throw Error(ErrorKind::accuracy, m_firstMissed + others);
+}
+
+void RenderRun::renderAll(std::vector<SceneInput>& inputs) {
+    try {
+        for (SceneInput& input : inputs)
+            for (const int frame : input.frames()) {
+                throwIfInterrupted();
+                m_progress.beginFrame(frame);
+                renderFrame(input, frame);
+                m_progress.endFrame();
+            }
+    } catch (...) {
+        try {
+            finishWriting();
+        } catch (const Error&) {  // the first error is the one to report
+        }
+        throw;
+    }
+    finishWriting();
 }
 
 /// Announces how long a verification will take, if it is long enough.
@@ -108,7 +139,10 @@ void RenderRun::announce(int frame, double seconds) {
 RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
     RenderOptions options = renderOptionsOf(m_options, m_console.sink());
     options.crop = input.crop();
-    options.progress = m_progress.stage(0, 1);
+    options.progress = [this, sink = m_progress.stage(0, 1)](double part) {
+        if (m_beside && m_beside->done.wait_for(std::chrono::seconds(0)) == std::future_status::ready) finishWriting();
+        return sink(part);
+    };
     options.next = frameAfter(input, frame);
     options.announce = [this, frame](double seconds) { announce(frame, seconds); };
     if (m_display) {
@@ -120,6 +154,7 @@ RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
         input.change(scene);
         for (const std::string& path : {scene.output.file, scene.output.deep.file, scene.output.preview.file})
             checkWritable(path);
+        for (const OutputFile& more : scene.output.files) checkWritable(more.file);
         if (!scene.output.preview.file.empty()) pictureModulePath();
     };
     return options;
@@ -160,14 +195,15 @@ void RenderRun::warnOfLostDisplay() {
 }
 
 /// Writes the frame's files. The preview comes last, because the picture matters most.
-void RenderRun::write(const SceneInput& input, ShotFrame& frame) {
-    frame.write("", m_console.sink());
-    if (!input.deep().pattern.empty()) frame.writeDeep("", m_console.sink());
+void RenderRun::write(const SceneInput& input, ShotFrame& frame, const MessageSink& messages) {
+    frame.write("", messages);
+    if (!input.deep().pattern.empty()) frame.writeDeep("", messages);
     if (!input.preview().pattern.empty()) frame.preview();
     // Every requested file must exist now, whichever way it was requested; otherwise the program fails.
     const int number = frame.report().frame;
-    for (const FramePath& promised : {input.output(), input.deep(), input.preview()}) {
-        if (promised.pattern.empty()) continue;
+    std::vector<FramePath> all = input.exrs();
+    if (!input.preview().pattern.empty()) all.push_back(input.preview());
+    for (const FramePath& promised : all) {
         const std::string path = promised.outputAt(number);
         if (std::error_code ignored; !std::filesystem::exists(path, ignored))
             throw Error(ErrorKind::output,
@@ -175,11 +211,31 @@ void RenderRun::write(const SceneInput& input, ShotFrame& frame) {
     }
 }
 
-/// True if a complete picture exists, and a complete deep one where it is requested; both are then left alone.
+/// Deep pictures are large, and previews load the module that the next frame's slides are read by.
+bool RenderRun::mayWriteBeside(const SceneInput& input, const ShotFrame& frame) const {
+    return threadCount() > 1 && m_options.memory == 0 && input.preview().pattern.empty() && !frame.hasDeep();
+}
+
+/// Waits for the frame that is being written, if there is one, and tells of it. Throws what went wrong there.
+void RenderRun::finishWriting() {
+    const std::unique_ptr<FrameBeingWritten> written = std::move(m_beside);
+    if (!written) return;
+    written->done.wait();
+    for (const auto& [severity, text] : written->messages) notify(m_console.sink(), severity, text);
+    written->done.get();
+    tell(written->frame.report());
+}
+
+void RenderRun::tell(const ShotReport& report) {
+    m_console.line(summaryLine(report));
+    m_console.detail(detailLines(report));
+    if (m_stats) m_stats->add(report);
+}
+
+/// True if a complete picture exists, and complete other files where they are requested; all are then left alone.
 bool RenderRun::existsAlready(const SceneInput& input, int frame) {
     if (!m_options.skipExisting) return false;
-    for (const FramePath& output : {input.output(), input.deep()}) {
-        if (output.pattern.empty()) continue;
+    for (const FramePath& output : input.exrs()) {
         const std::string path = output.outputAt(frame);
         if (m_whole.contains(path)) continue;
         if (!isWholeExr(path)) return false;
@@ -220,9 +276,10 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     if (existsAlready(input, frame)) return completeFrame(input, frame);
     const std::string path = input.output().outputAt(frame);
     if (std::error_code ignored; m_options.skipExisting && std::filesystem::exists(path, ignored))
-        m_console.line(m_whole.contains(path)
-                           ? fmt::format("frame {}: {} has an incomplete deep picture; rendering it again", frame, path)
-                           : fmt::format("frame {}: {} is incomplete; rendering it again", frame, path));
+        m_console.line(
+            m_whole.contains(path)
+                ? fmt::format("frame {}: {} is complete, but a file beside it is not; rendering it again", frame, path)
+                : fmt::format("frame {}: {} is incomplete; rendering it again", frame, path));
 
     ShotFrame rendered = input.shot().render(frame, optionsOf(input, frame));
     if (rendered.skipped()) return;
@@ -233,10 +290,17 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     keepMissed(report);
     if (m_display) m_display->finish(rendered.image());
     throwIfInterrupted();
-    write(input, rendered);
-    m_console.line(summaryLine(report));
-    m_console.detail(detailLines(report));
-    if (m_stats) m_stats->add(report);
+    finishWriting();
+    if (mayWriteBeside(input, rendered)) {
+        m_beside.reset(new FrameBeingWritten{&input, std::move(rendered)});
+        m_beside->done = std::async(std::launch::async, [all = m_beside.get()] {
+            write(*all->input, all->frame,
+                  [all](Severity severity, const std::string& text) { all->messages.emplace_back(severity, text); });
+        });
+    } else {
+        write(input, rendered, m_console.sink());
+        tell(rendered.report());
+    }
     warnOfLostDisplay();
 }
 

@@ -8,6 +8,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/letter_case.h>
 #include <scrim/scene/frame_path.h>
+#include <scrim/scene/volume_file.h>
 #include <scrim/scene/toml_text.h>
 #include <scrim/shot/shot_files.h>
 #include <scrim/shot/shot_text.h>
@@ -96,6 +97,7 @@ void SceneInput::begin() {
     m_output = scene.output.path;
     m_preview = scene.output.preview.path;
     m_deep = scene.output.deep.path;
+    for (const OutputFile& more : scene.output.files) m_files.push_back(more.path);
     checkPreview(scene.output.preview);
     if (lowerExtension(m_output.pattern) != ".exr")
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.exr'; --preview writes other "
@@ -104,6 +106,13 @@ void SceneInput::begin() {
     if (!m_options.deep.empty() && lowerExtension(m_deep.pattern) != ".exr")
         throw Error(ErrorKind::usage,
                     fmt::format("--deep: the deep picture '{}' does not end in '.exr'", shortened(m_deep.pattern)));
+}
+
+std::vector<FramePath> SceneInput::exrs() const {
+    std::vector<FramePath> all{m_output};
+    all.insert(all.end(), m_files.begin(), m_files.end());
+    if (!m_deep.pattern.empty()) all.push_back(m_deep);
+    return all;
 }
 
 void SceneInput::change(Scene& scene) const {
@@ -115,9 +124,7 @@ void SceneInput::change(Scene& scene) const {
     if (!m_options.deep.empty()) output.deep.path = pathFrom("--deep", m_options.deep);
     if (!m_options.view.empty()) output.preview.view = m_options.view;
     if (!m_options.preview.empty()) output.preview.path = pathFrom("--preview", m_options.preview);
-    output.file = output.path.outputAt(frame);
-    if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.outputAt(frame);
-    if (!output.deep.path.pattern.empty()) output.deep.file = output.deep.path.outputAt(frame);
+    nameOutputs(output, frame);
 }
 
 void SceneInput::checkPreview(const ScenePreview& preview) const {
@@ -143,10 +150,9 @@ std::vector<int> SceneInput::framesOf(const Scene& scene) const {
         return frames;
     }
     for (const SceneVolume& volume : scene.volumes)
-        if (volume.source.empty() && volume.sequence.hasFrame())
-            throw Error(ErrorKind::usage,
-                        fmt::format("{}: '{}' is a sequence; give the frames with --frames ({})", name(),
-                                    volume.sequence.pattern, rangeText(existingFrames(volume.sequence))));
+        if (const FramePath& sequence = leadingSequence(volume); volume.source.empty() && sequence.hasFrame())
+            throw Error(ErrorKind::usage, fmt::format("{}: '{}' is a sequence; give the frames with --frames ({})",
+                                                      name(), sequence.pattern, rangeText(existingFrames(sequence))));
     if (scene.output.path.outputHasFrame())
         throw Error(ErrorKind::usage,
                     fmt::format("{}: the output '{}' has a placeholder for the frame; give the frames with --frames",
@@ -232,6 +238,7 @@ void claimOutputs(const std::vector<SceneInput>& inputs, const SceneOptions& opt
             claim(input, input.output(), frame, "the picture");
             claim(input, input.preview(), frame, "the preview");
             claim(input, input.deep(), frame, "the deep picture");
+            for (const FramePath& more : input.files()) claim(input, more, frame, "a file of layers");
         }
     if (!options.stats.empty()) claims.writesAlone(options.stats, "--stats");
 }

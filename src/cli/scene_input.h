@@ -37,6 +37,10 @@ class SceneInput {
     const FramePath& output() const { return m_output; }
     const FramePath& preview() const { return m_preview; }
     const FramePath& deep() const { return m_deep; }  ///< likewise, for the deep picture
+    /// Those of further files.
+    const std::vector<FramePath>& files() const { return m_files; }
+    /// All EXR files: the picture, further files, and the deep picture if it is wanted.
+    std::vector<FramePath> exrs() const;
 
     /// The pixels to render, where the scene or the command line states them.
     std::optional<PixelWindow> crop() const { return m_options.crop ? m_options.crop : m_crop; }
@@ -56,6 +60,7 @@ class SceneInput {
     Shot m_shot;
     std::vector<int> m_frames;
     FramePath m_output, m_preview, m_deep;
+    std::vector<FramePath> m_files;
     std::optional<PixelWindow> m_crop;
     std::shared_ptr<TemporaryFolder> m_folder;  // holds files that the scene names
 };

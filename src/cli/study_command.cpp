@@ -19,6 +19,7 @@
 
 #include <filesystem>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace scrim::cli {
@@ -26,30 +27,31 @@ namespace {
 
 constexpr const char *kTable = "study.csv", *kData = "study.json", *kPage = "index.html";
 
-// The folder for the results. It is made before hours of work rely on it, and removed where there are no results.
+// The folder for the results. It is made once before hours of work rely on it, and removed until there are results, so
+// that nothing is left of a study that ends early, however it ends.
 class ResultFolder {
   public:
-    explicit ResultFolder(const std::string& path) : m_path(path) {
-        std::error_code error;
-        m_made = std::filesystem::create_directories(path, error);
-        if (error)
-            throw Error(ErrorKind::output, fmt::format("cannot make the folder '{}': {}", path, error.message()));
-    }
-    ~ResultFolder() {
+    explicit ResultFolder(std::string path) : m_path(std::move(path)) {
         std::error_code ignored;
-        if (m_made) std::filesystem::remove(m_path, ignored);  // fails, as it should, if the folder contains anything
+        if (make()) std::filesystem::remove(m_path, ignored);
     }
-    ResultFolder(const ResultFolder&) = delete;
-    ResultFolder& operator=(const ResultFolder&) = delete;
 
     const std::string& path() const { return m_path; }
     void write(const std::string& name, const std::string& text) const {
+        make();
         writeWholeFile((std::filesystem::path(m_path) / name).string(), text);
     }
 
   private:
+    bool make() const {
+        std::error_code error;
+        const bool made = std::filesystem::create_directories(m_path, error);
+        if (error)
+            throw Error(ErrorKind::output, fmt::format("cannot make the folder '{}': {}", m_path, error.message()));
+        return made;
+    }
+
     std::string m_path;
-    bool m_made = false;
 };
 
 std::string tableOf(const Study& study) {

@@ -13,7 +13,7 @@
 
 namespace scrim::load {
 
-EditVolume::EditVolume(int transfer, LoadRequest request, int input, int threads)
+EditVolume::EditVolume(int transfer, LoadRequest request, const std::vector<int>& inputs, int threads)
     : m_transfer(transfer), m_threads(threads), m_request(std::move(request)), m_edit(gridEditFrom(m_request.edit)) {
     allowThreads();
     try {
@@ -21,10 +21,12 @@ EditVolume::EditVolume(int transfer, LoadRequest request, int input, int threads
     } catch (const Error& error) {
         m_problem = error;
     }
-    if (m_request.what == kMadeFields)
-        m_made = receiveFields(input).fields;
-    else
-        m_bytes = std::make_unique<VdbBytes>(m_request.path, input);
+    if (m_request.what == kMadeFields) {
+        m_made = receiveFields(inputs.front()).fields;
+        return;
+    }
+    for (std::size_t i = 0; i < inputs.size(); ++i)
+        m_files.push_back(std::make_unique<VdbBytes>(i == 0 ? m_request.path : m_edit.files.at(i), inputs[i]));
 }
 
 void EditVolume::send() const {
@@ -39,8 +41,8 @@ void EditVolume::send() const {
         if (m_request.what == kMadeFields)
             return sendFields(m_transfer, editFields(m_made, m_request.path, requests, *editor, hear), messages);
         if (m_request.what == "fields")
-            return sendFields(m_transfer, readFields(*m_bytes, requests, *editor, hear), messages);
-        const VdbFile all = VdbFile::open(*m_bytes, *editor, hear);
+            return sendFields(m_transfer, readFields(m_files, requests, *editor, hear), messages);
+        const VdbFile all = VdbFile::open(m_files, *editor, hear);
         if (m_request.what == kEditedFile) return sendFile(m_transfer, all.asFile(), messages);
         VdbFileInfo info = all.info();
         for (const TransferMessage& message : messages) info.metadata.emplace_back("edit", message.text);

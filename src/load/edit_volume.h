@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The work of a child: edits grids (grid_edit.h), those of a .vdb file or those that a source made.
+// The work of a child: edits grids (grid_edit.h), those of .vdb files or those that a source made.
 #pragma once
 
 #include "confine.h"
@@ -19,10 +19,11 @@ class EditVolume {
   public:
     static constexpr Rights kRights = Rights::compiling;
 
-    /// Loads the module of AX where an expression needs it, and takes over grids that a source made, which the process
-    /// that asks for this has checked. May use `threads` threads.
-    EditVolume(int transfer, LoadRequest request, int input, int threads);
-    /// Compiles, and gives up the right to make code; only then reads the file, edits, and sends what was
+    /// `inputs` are the volume's files, or the one file of the grids that a source made. Loads the module of AX where
+    /// an expression needs it, and takes over grids that a source made, which the process that asks for this has
+    /// checked. May use `threads` threads.
+    EditVolume(int transfer, LoadRequest request, const std::vector<int>& inputs, int threads);
+    /// Compiles, and gives up the right to make code; only then reads the files, edits, and sends what was
     /// requested, or the error.
     void run() const;
 
@@ -33,8 +34,8 @@ class EditVolume {
     LoadRequest m_request;
     GridEdit m_edit;
     const AxModule* m_ax = nullptr;
-    std::optional<Error> m_problem;     ///< why the module cannot be loaded
-    std::unique_ptr<VdbBytes> m_bytes;  ///< null: the grids are `m_made`
+    std::optional<Error> m_problem;  ///< why the module cannot be loaded
+    VdbFiles m_files;                ///< empty: the grids are `m_made`
     std::vector<SparseField> m_made;
 };
 

@@ -12,6 +12,7 @@
 #include "fork.h"
 #include "read_mesh.h"
 #include "read_picture.h"
+#include "read_profile.h"
 #include "read_source.h"
 #include "read_volume.h"
 
@@ -21,6 +22,7 @@
 #include <scrim/guard/load_protocol.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -41,7 +43,7 @@ namespace {
 
 constexpr int kUsage = 2;
 // Descriptors of a child.
-constexpr int kChildTransfer = 3, kChildInput = 4, kChildBeside = 5, kChildEnd = 6;
+constexpr int kChildTransfer = 3, kChildInput = 4, kChildBeside = 5, kChildMore = 6;
 
 /// A child, and the control descriptor of the process that waits for it.
 struct Job {
@@ -52,9 +54,13 @@ struct Job {
 /// One message as received, with its descriptors.
 struct Request {
     LoadMessage message;
-    int descriptors[kMostDescriptors] = {-1, -1, -1, -1, -1};
+    std::array<int, kMostDescriptors> descriptors;
+    Request() { descriptors.fill(-1); }
 
-    bool complete() const { return descriptors[kBeside] >= 0; }
+    bool complete() const {
+        const auto count = std::min<std::uint32_t>(message.descriptors, kMostDescriptors);
+        return count > kStderr && descriptors[count - 1] >= 0;
+    }
     /// Closes all of them but the control.
     void close() {
         for (int i = 1; i < static_cast<int>(kMostDescriptors); ++i)
@@ -65,7 +71,7 @@ struct Request {
 /// Returns false where no client is left.
 bool receive(Request& request) {
     iovec part{&request.message, sizeof request.message};
-    alignas(cmsghdr) char space[CMSG_SPACE(sizeof request.descriptors)];
+    alignas(cmsghdr) char space[CMSG_SPACE(sizeof(int) * kMostDescriptors)];
     msghdr head{};
     head.msg_iov = &part;
     head.msg_iovlen = 1;
@@ -100,20 +106,27 @@ void runThreaded(LoadRequest request, const LoadMessage& message, Limits limits)
     limits.seconds *= static_cast<std::size_t>(threads);
     if (request.edit.empty())
         runConfined(ReadSource(kChildTransfer, std::move(request), kChildInput, kChildBeside, threads), limits);
-    else
-        runConfined(EditVolume(kChildTransfer, std::move(request), kChildInput, threads), limits);
+    else {
+        std::vector<int> files{kChildInput};
+        for (std::uint32_t i = kMore; i < message.descriptors; ++i)
+            files.push_back(kChildMore + static_cast<int>(i - kMore));
+        runConfined(EditVolume(kChildTransfer, std::move(request), files, threads), limits);
+    }
 }
 
 /// The child: keeps its own descriptors and nothing else. Never returns.
 [[noreturn]] void runChild(Request request, const PictureModule* pictures, pid_t parent) {
     // All descriptors are first moved above their final numbers, so that none is overwritten before it has been moved.
+    const int end = kChildMore + static_cast<int>(std::max<std::uint32_t>(request.message.descriptors, kMore) - kMore);
     for (int& descriptor : request.descriptors)
-        if (descriptor >= 0 && (descriptor = ::fcntl(descriptor, F_DUPFD, kChildEnd)) < 0) ::_exit(kNoDescriptors);
+        if (descriptor >= 0 && (descriptor = ::fcntl(descriptor, F_DUPFD, end)) < 0) ::_exit(kNoDescriptors);
     ::dup2(request.descriptors[kTransfer], kChildTransfer);
     ::dup2(request.descriptors[kInput], kChildInput);
     ::dup2(request.descriptors[kBeside], kChildBeside);
-    if (request.descriptors[kStderr] >= 0) ::dup2(request.descriptors[kStderr], STDERR_FILENO);
-    ::close_range(kChildEnd, ~0U, 0);
+    if (request.message.showsStderr != 0) ::dup2(request.descriptors[kStderr], STDERR_FILENO);
+    for (std::uint32_t i = kMore; i < kMostDescriptors; ++i)
+        if (request.descriptors[i] >= 0) ::dup2(request.descriptors[i], kChildMore + static_cast<int>(i - kMore));
+    ::close_range(static_cast<unsigned>(end), ~0U, 0);
     sigset_t none;
     sigemptyset(&none);
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -127,6 +140,8 @@ void runThreaded(LoadRequest request, const LoadMessage& message, Limits limits)
         runConfined(ReadPicture(*pictures, kChildTransfer, std::move(wanted), kChildInput), limits);
     else if (wanted.what == kMesh)
         runConfined(ReadMesh(kChildTransfer, std::move(wanted), kChildInput), limits);
+    else if (wanted.what == kPhotometry)
+        runConfined(ReadProfile(kChildTransfer, std::move(wanted), kChildInput), limits);
     else if (!wanted.source.empty() || !wanted.edit.empty())
         runThreaded(std::move(wanted), request.message, limits);
     else

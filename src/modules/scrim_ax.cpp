@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The module `scrim_ax`: compiles and runs expressions of OpenVDB AX (scrim/volume/ax_module.h).
+#include "ax_together.h"
+
 #include <scrim/volume/ax_module.h>
 #include <scrim/volume/grid_editor.h>
 
@@ -11,7 +13,6 @@
 #include <openvdb_ax/compiler/VolumeExecutable.h>
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <exception>
 #include <map>
@@ -22,6 +23,7 @@ namespace {
 namespace ax = openvdb::ax;
 using scrim::AxProblem;
 using scrim::AxUse;
+using scrim::Together;
 
 /// The parser recurses: text that is nested more deeply overflows its stack.
 constexpr int kDeepest = 100;
@@ -129,20 +131,68 @@ std::vector<AxProblem> misuses(const ax::ast::Tree& tree, const std::vector<AxUs
     return problems;
 }
 
+/// True for an expression whose value is a whole number, as far as that can be seen. `whole`: names of variables.
+bool isWhole(const ax::ast::Node& node, const std::vector<std::string>& whole) {
+    using ax::ast::Node;
+    const auto isIn = [](const auto& type) {
+        return type == ax::ast::tokens::INT16 || type == ax::ast::tokens::INT32 || type == ax::ast::tokens::INT64;
+    };
+    switch (node.nodetype()) {
+        case Node::ValueInt16Node:
+        case Node::ValueInt32Node:
+        case Node::ValueInt64Node:
+            return true;
+        case Node::LocalNode:
+            return std::find(whole.begin(), whole.end(), static_cast<const ax::ast::Local&>(node).name()) !=
+                   whole.end();
+        case Node::AttributeNode:
+            return isIn(static_cast<const ax::ast::Attribute&>(node).type());
+        case Node::CastNode:
+            return isIn(static_cast<const ax::ast::Cast&>(node).type());
+        case Node::FunctionCallNode:
+            return static_cast<const ax::ast::FunctionCall&>(node).name().starts_with("getcoord");
+        case Node::UnaryOperatorNode:
+        case Node::BinaryOperatorNode:
+            for (std::size_t i = 0; i < node.children(); ++i)
+                if (!isWhole(*node.child(i), whole)) return false;
+            return true;
+        default:
+            return false;
+    }
+}
+
+/// Takes whole exponents of pow() for floats: what LLVM 14 makes of a double and an integer crashes.
+void avoidWholeExponents(const ax::ast::Tree& tree) {
+    std::vector<const ax::ast::DeclareLocal*> variables;
+    ax::ast::collectNodeType<ax::ast::DeclareLocal>(tree, variables);
+    std::vector<std::string> whole;
+    for (const auto* variable : variables)
+        if (const auto type = variable->type();
+            type == ax::ast::tokens::INT16 || type == ax::ast::tokens::INT32 || type == ax::ast::tokens::INT64)
+            whole.push_back(variable->local()->name());
+    std::vector<const ax::ast::FunctionCall*> calls;
+    ax::ast::collectNodeType<ax::ast::FunctionCall>(tree, calls);
+    for (const auto* call : calls)
+        if (call->name() == "pow" && call->children() == 2 && isWhole(*call->child(1), whole))
+            const_cast<ax::ast::FunctionCall*>(call)->replacechild(
+                1, new ax::ast::Cast(call->child(1)->copy(), ax::ast::tokens::FLOAT));
+}
+
 class Program : public scrim::AxProgram {
   public:
-    Program(std::vector<AxUse> uses, ax::VolumeExecutable::Ptr executable)
-        : m_uses(std::move(uses)), m_executable(std::move(executable)) {
+    Program(std::vector<AxUse> uses, ax::VolumeExecutable::Ptr executable, Together together)
+        : m_uses(std::move(uses)), m_executable(std::move(executable)), m_together(std::move(together)) {
         m_executable->setCreateMissing(false);
     }
     const std::vector<AxUse>& grids() const override { return m_uses; }
     void run(scrim::EditedGrids& grids) const override {
-        if (!grids.grids.empty()) m_executable->execute(grids.grids);
+        if (!grids.grids.empty() && !m_together.run(grids.grids)) m_executable->execute(grids.grids);
     }
 
   private:
     std::vector<AxUse> m_uses;
     ax::VolumeExecutable::Ptr m_executable;
+    Together m_together;
 };
 
 std::shared_ptr<ax::CustomData> customData(const std::vector<scrim::AxVariable>& variables) {
@@ -164,10 +214,20 @@ scrim::AxCompiled compileParsed(const std::string& code, const std::vector<scrim
     std::vector<AxUse> uses = usesOf(*tree, places);
     if (auto problems = misuses(*tree, uses, variables, places); !problems.empty()) return {nullptr, problems};
     Log log;
+    const auto sound = ax::ast::parse(code.c_str(), log.logger());
+    avoidWholeExponents(*sound);
     const auto executable =
-        ax::Compiler::create()->compile<ax::VolumeExecutable>(code, log.logger(), customData(variables));
+        ax::Compiler::create()->compile<ax::VolumeExecutable>(*sound, log.logger(), customData(variables));
     if (!executable) return {nullptr, log.take()};
-    return {std::make_shared<const Program>(std::move(uses), executable), {}};
+    Together together(uses);
+    if (const auto joined = together.worthwhile() ? together.rewritten(code) : nullptr) {
+        avoidWholeExponents(*joined);
+        Log unheard;
+        if (auto made =
+                ax::Compiler::create()->compile<ax::VolumeExecutable>(*joined, unheard.logger(), customData(variables)))
+            together.take(std::move(made));
+    }
+    return {std::make_shared<const Program>(std::move(uses), executable, std::move(together)), {}};
 }
 
 scrim::AxCompiled compile(const std::string& code, const std::vector<scrim::AxVariable>& variables) {

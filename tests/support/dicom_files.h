@@ -2,6 +2,7 @@
 // DICOM files of one slice, written by hand: explicit VR, little endian.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -32,13 +33,34 @@ struct DicomSlice {
                word(0x28, 0x100, 16) + word(0x28, 0x101, bitsStored) +
                word(0x28, 0x102, static_cast<std::uint16_t>(bitsStored - 1)) + word(0x28, 0x103, isSigned) +
                text(0x28, 0x1052, "DS", intercept) + text(0x28, 0x1053, "DS", slope);
+        if (syntax == kRle) {  // one fragment behind an empty table of offsets
+            const std::string item = tag(0xfffe, 0xe000), pixels = runLengths();
+            return all + tag(0x7fe0, 0x10) + "OB" + std::string(2, '\0') + number<std::uint32_t>(0xffffffff) + item +
+                   number<std::uint32_t>(0) + item + number(static_cast<std::uint32_t>(pixels.size())) + pixels +
+                   tag(0xfffe, 0xe0dd) + number<std::uint32_t>(0);
+        }
         std::string pixels;
         for (const std::int16_t sample : samples) pixels += number(static_cast<std::uint16_t>(sample));
         return all + tag(0x7fe0, 0x10) + "OW" + std::string(2, '\0') +
                number(static_cast<std::uint32_t>(pixels.size())) + pixels;
     }
 
+    static constexpr const char* kRle = "1.2.840.10008.1.2.5";  ///< a syntax: RLE Lossless
+
   private:
+    /// The samples' high bytes, then their low ones, each as a segment of runs (DICOM PS3.5, annex G): literal ones.
+    std::string runLengths() const {
+        std::string segments, header = number<std::uint32_t>(2);
+        for (const int shift : {8, 0}) {
+            header += number(static_cast<std::uint32_t>(64 + segments.size()));
+            for (std::size_t i = 0; i < samples.size(); ++i) {
+                if (i % 128 == 0) segments += static_cast<char>(std::min<std::size_t>(128, samples.size() - i) - 1);
+                segments += static_cast<char>(static_cast<std::uint16_t>(samples[i]) >> shift & 0xff);
+            }
+            if (segments.size() % 2 == 1) segments += '\0';
+        }
+        return header + std::string(64 - header.size(), '\0') + segments;
+    }
     static constexpr const char* kCt = "1.2.840.10008.5.1.4.1.1.2";
 
     template <typename T>

@@ -3,6 +3,9 @@
 // a file holds what is to be handed over, byte by byte, and each child says that all went well.
 #include <scrim/guard/load_protocol.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -23,7 +26,8 @@ int main() {
     for (;;) {
         scrim::LoadMessage message;
         iovec text{&message, sizeof message};
-        int files[scrim::kMostDescriptors] = {-1, -1, -1, -1, -1};
+        int files[scrim::kMostDescriptors];
+        std::fill(std::begin(files), std::end(files), -1);
         alignas(cmsghdr) char space[CMSG_SPACE(sizeof files)];
         msghdr head{};
         head.msg_iov = &text;

@@ -113,7 +113,8 @@ class Exporter:
             if material is None or not material.use_nodes:
                 medium = nodes.default_medium(grids)
             else:
-                medium = nodes.medium_of(material.node_tree, grids)
+                vectors = [grid.name for grid in data.grids if grid.data_type.startswith("VECTOR")]
+                medium = nodes.medium_of(material.node_tree, grids, vectors)
         except nodes.NotMapped as what:
             self.warn(f"{name} is not rendered: Scrim does not know {what}")
             return []
@@ -125,6 +126,8 @@ class Exporter:
         keys["scattering"] = self.settings.scattering.lower()
         out = {"name": self.names.of(thing.name), "file": frames.pattern_of(self.volume_file(thing))}
         out.update(transform=self.moves.transform(key, self.warn, name), density=density, medium=keys)
+        if medium.ax:
+            out["ax"] = medium.ax
         if self.moves.shutter and data.velocity_grid:
             out.update(self.velocity(data, grids, name))
         if thing.is_holdout or thing.holdout_get(view_layer=depsgraph.view_layer_eval):

@@ -6,29 +6,8 @@ import math
 from dataclasses import dataclass, field
 
 from . import formulae
-
-BLACK, WHITE = [0.0] * 3, [1.0] * 3
-
-
-class NotMapped(Exception):
-    pass
-
-
-@dataclass
-class Value:
-    """`color` times the grid of that name; a number where there is none."""
-
-    color: list
-    grid: str = ""
-
-    @property
-    def number(self):
-        return self.color[0] if len(set(self.color)) == 1 else sum(self.color) / 3
-
-    def times(self, other):
-        if self.grid and other.grid:
-            raise NotMapped(f"the product of the grids '{self.grid}' and '{other.grid}'")
-        return Value([a * b for a, b in zip(self.color, other.color)], self.grid or other.grid)
+from .expressions import Code, NotMapped, constant_of, source_of
+from .values import BLACK, WHITE, Value, value_of
 
 
 @dataclass
@@ -44,6 +23,7 @@ class Medium:
     emission: dict = None
     blackbody: dict = None
     notes: list = field(default_factory=list)
+    ax: str = ""  # code that makes grids of what nodes compute
 
     def keys(self, object_density=1.0):
         """(`density`, `medium`) of a [[volume]]."""
@@ -63,7 +43,7 @@ def volume_of(tree):
     outputs = [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]
     fit = [n for n in outputs if getattr(n, "target", "ALL") in ("ALL", "CYCLES")]
     active = next((n for n in fit if n.is_active_output), fit[0] if fit else None)
-    return _source(active.inputs["Volume"])[0] if active is not None else None
+    return source_of(active.inputs["Volume"])[0] if active is not None else None
 
 
 def has_surface(tree):
@@ -71,47 +51,6 @@ def has_surface(tree):
         if node.bl_idname == "ShaderNodeOutputMaterial" and node.inputs["Surface"].links:
             return True
     return False
-
-
-def _source(socket):
-    """(node, name of its output) that feeds the socket, past reroutes."""
-    while socket.links:
-        link = socket.links[0]
-        node = link.from_node
-        if node.bl_idname != "NodeReroute":
-            return node, link.from_socket.name
-        socket = node.inputs[0]
-    return None, ""
-
-
-def _constant(socket):
-    value = socket.default_value
-    return [float(v) for v in list(value)[:3]] if hasattr(value, "__len__") else [float(value)] * 3
-
-
-_INFO_GRIDS = {"Density": "density", "Flame": "flame", "Temperature": "temperature", "Color": "color"}
-
-
-def value_of(socket):
-    node, output = _source(socket)
-    if node is None:
-        return Value(_constant(socket))
-    kind = node.bl_idname
-    if kind == "ShaderNodeValue":
-        return Value([float(node.outputs[0].default_value)] * 3)
-    if kind == "ShaderNodeRGB":
-        return Value([float(v) for v in list(node.outputs[0].default_value)[:3]])
-    if kind == "ShaderNodeAttribute" and node.attribute_type == "GEOMETRY" and output in ("Fac", "Factor", "Color"):
-        return Value(WHITE, node.attribute_name)
-    if kind == "ShaderNodeVolumeInfo":
-        return Value(WHITE, _INFO_GRIDS[output])
-    if kind == "ShaderNodeMath" and not node.use_clamp and node.operation in ("MULTIPLY", "DIVIDE"):
-        a, b = value_of(node.inputs[0]), value_of(node.inputs[1])
-        if node.operation == "MULTIPLY":
-            return a.times(b)
-        if not b.grid and b.number != 0:
-            return a.times(Value([1 / b.number] * 3))
-    raise NotMapped(f"node '{node.name}' at '{socket.name}'")
 
 
 def _or_noted(socket, notes):
@@ -123,7 +62,7 @@ def _or_noted(socket, notes):
         notes.append(f"the grid '{value.grid}' at '{socket.name}'")
     except NotMapped as what:
         notes.append(str(what))
-    return Value(_constant(socket) if hasattr(socket, "default_value") else WHITE)
+    return Value(constant_of(socket) if hasattr(socket, "default_value") else WHITE)
 
 
 @dataclass
@@ -136,16 +75,35 @@ class _Part:
 
 
 class _Sum:
-    def __init__(self, grids):
+    def __init__(self, grids, vectors):
         self.grids = grids
         self.parts = []
         self.medium = Medium("", BLACK, BLACK)
+        self.code = Code(grids, vectors)
+
+    def value(self, socket, vector=False):
+        """A constant times a grid; where nodes compute more than that, a grid that an expression makes."""
+        try:
+            return value_of(socket)
+        except NotMapped:
+            variable = self.code.of(socket, vector)
+            if not self.code.varies(variable):
+                raise
+        return Value(WHITE, self.code.grid(variable, None if vector else 0.0))
+
+    def product(self, a, b):
+        """That of two values, which may both be grids."""
+        if not (a.grid and b.grid):
+            return a.times(b)
+        first, second = (self.code.scalar(self.code.variable_of(v.grid))[0] for v in (a, b))
+        grid = self.code.grid((f"{first} * {second}", False))
+        return Value([x * y for x, y in zip(a.color, b.color)], grid)
 
     def add(self, node):
         kind = node.bl_idname
         if kind == "ShaderNodeAddShader":
             for socket in node.inputs:
-                source, _ = _source(socket)
+                source, _ = source_of(socket)
                 if source is not None:
                     self.add(source)
         elif kind == "ShaderNodeVolumePrincipled":
@@ -162,7 +120,7 @@ class _Sum:
             raise NotMapped(f"node '{node.name}'")
 
     def density(self, socket):
-        value = value_of(socket)
+        value = self.value(socket)
         return Value([max(c, 0.0) for c in value.color], value.grid)
 
     def scatter(self, node):
@@ -180,8 +138,8 @@ class _Sum:
         density = self.density(node.inputs["Density"])
         name = node.inputs["Density Attribute"].default_value
         if name in self.grids:
-            density = density.times(Value(WHITE, name))
-        color = value_of(node.inputs["Color"])
+            density = self.product(density, Value(WHITE, name))
+        color = self.value(node.inputs["Color"], vector=True)
         grid = color.grid
         name = node.inputs["Color Attribute"].default_value
         if name in self.grids:
@@ -210,8 +168,12 @@ class _Sum:
         self.medium.albedo_scale = sum(rgb) / 3
 
     def emit(self, strength_socket, color_socket):
-        strength = value_of(strength_socket)
+        strength = self.value(strength_socket)
         if max(strength.color) <= 0:
+            return
+        source, output = source_of(color_socket)
+        if source is not None and source.bl_idname == "ShaderNodeValToRGB":
+            self.emit_ramp(strength, source)
             return
         value = strength.times(value_of(color_socket))
         if max(value.color) <= 0:
@@ -229,6 +191,29 @@ class _Sum:
             emission["ramp"] = [[0.0, BLACK], [far, [far * max(c, 0.0) / most for c in value.color]]]
         self.medium.emission = emission
 
+    def emit_ramp(self, strength, node):
+        """Emission of one strength whose colour is a ramp over a grid."""
+        if strength.grid:
+            raise NotMapped(f"a strength of emission beside the colours of node '{node.name}' that both vary")
+        ramp = node.color_ramp
+        if ramp.color_mode != "RGB" or ramp.interpolation != "LINEAR":
+            raise NotMapped(f"the settings of node '{node.name}'")
+        if self.medium.emission:
+            raise NotMapped("a second emission")
+        points = [[float(e.position), [float(c) for c in list(e.color)[:3]]] for e in ramp.elements]
+        if max(points[0][1]) > 0:
+            raise NotMapped(f"a colour of node '{node.name}' at 0 that is not black")
+        grid = self.value(node.inputs[0])
+        if not grid.grid:
+            raise NotMapped(f"node '{node.name}' at no grid")
+        number = grid.number
+        if number <= 0:
+            return
+        steps = [[p / number, c] for p, c in points]
+        if steps[0][0] > 0:
+            steps.insert(0, [0.0, BLACK])
+        self.medium.emission = {"grid": grid.grid, "scale": strength.number, "ramp": steps}
+
     # svm/closure.h: radiance 5.67e-8 * 1e-6 / pi * mix(1, T^4, intensity), and 1 is nothing beside T^4.
     def glow(self, node):
         notes = self.medium.notes
@@ -238,10 +223,10 @@ class _Sum:
         tint = _or_noted(node.inputs["Blackbody Tint"], notes).color
         if max(tint) - min(tint) > 1e-4 * max(tint):
             notes.append("a 'Blackbody Tint' that is not grey (taken for its mean)")
-        temperature = value_of(node.inputs["Temperature"])
+        temperature = self.value(node.inputs["Temperature"])
         name = node.inputs["Temperature Attribute"].default_value
         if name in self.grids:
-            temperature = temperature.times(Value(WHITE, name))
+            temperature = self.product(temperature, Value(WHITE, name))
         if not temperature.grid:
             notes.append(f"a black body of one temperature everywhere; there is no grid '{name}'")
         elif temperature.number > 0:
@@ -254,6 +239,7 @@ class _Sum:
 
     def result(self):
         medium = self.medium
+        medium.ax = self.code.text if self.code.made else ""
         parts = [p for p in self.parts if p.extinction is not None and max(p.extinction.color) > 0]
         names = {p.extinction.grid for p in parts}
         if "" in names:
@@ -293,17 +279,17 @@ class _Sum:
         }
 
 
-def medium_of(tree, grids):
-    """The Medium of a material's node tree for a volume that holds `grids`. Raises NotMapped."""
+def medium_of(tree, grids, vectors=()):
+    """The Medium of a material's node tree for a volume with `grids`, some of them `vectors`. Raises NotMapped."""
     node = volume_of(tree)
     if node is None:
         raise NotMapped("a material without a volume shader")
-    total = _Sum(grids)
+    total = _Sum(grids, vectors)
     total.add(node)
     medium = total.result()
     used = [medium.grid, medium.albedo_grid]
     used += [keys["grid"] for keys in (medium.emission, medium.blackbody) if keys]
-    missing = sorted({name for name in used if name and name not in grids})
+    missing = sorted({name for name in used if name and name not in grids and name not in total.code.made})
     if missing:
         has = ", ".join(grids) or "none"
         raise NotMapped(f"the grid{'s' if len(missing) > 1 else ''} {', '.join(missing)}: the volume has {has}")
@@ -326,7 +312,7 @@ def light_emission(light):
 
 def _surface_emission(tree, output, kind):
     end = next((n for n in tree.nodes if n.bl_idname == output and n.is_active_output), None)
-    node, _ = _source(end.inputs["Surface"]) if end is not None else (None, "")
+    node, _ = source_of(end.inputs["Surface"]) if end is not None else (None, "")
     if node is None:
         return BLACK
     if node.bl_idname != kind:
@@ -351,13 +337,13 @@ def sky_of(world):
         return Sky(color) if max(color) > 0 else None
     tree = world.node_tree
     end = next((n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld" and n.is_active_output), None)
-    node, _ = _source(end.inputs["Surface"]) if end is not None else (None, "")
+    node, _ = source_of(end.inputs["Surface"]) if end is not None else (None, "")
     if node is None:
         return None
     if node.bl_idname not in ("ShaderNodeBackground", "ShaderNodeEmission"):
         raise NotMapped(f"node '{node.name}'")
     strength = value_of(node.inputs["Strength"])
-    source, _ = _source(node.inputs["Color"])
+    source, _ = source_of(node.inputs["Color"])
     if source is None or source.bl_idname != "ShaderNodeTexEnvironment":
         color = strength.times(value_of(node.inputs["Color"])).color
         return Sky(color) if max(color) > 0 else None
@@ -369,12 +355,12 @@ def sky_of(world):
 
 
 def _turn(texture):
-    mapping, _ = _source(texture.inputs["Vector"])
+    mapping, _ = source_of(texture.inputs["Vector"])
     if mapping is None or mapping.bl_idname == "ShaderNodeTexCoord":
         return 0.0
     if mapping.bl_idname != "ShaderNodeMapping":
         raise NotMapped(f"node '{mapping.name}'")
-    source, output = _source(mapping.inputs["Vector"])
+    source, output = source_of(mapping.inputs["Vector"])
     if source is not None and (source.bl_idname != "ShaderNodeTexCoord" or output != "Generated"):
         raise NotMapped(f"node '{source.name}'")
     x, y, z = (float(v) for v in mapping.inputs["Rotation"].default_value)

@@ -100,12 +100,17 @@ class Job:
     def tiles(self):
         return range(len(self["crops"])) if self.tiled else (-1,)
 
+    @property
+    def files(self):
+        """The patterns of further files, which jobs made before there were any do not have."""
+        return self.data.get("files", [])
+
     def outputs(self, frame):
         """The pictures of a frame that the shot ends with."""
-        return [at_frame(p, frame) for p in (self["output"], self["deep"]) if p]
+        return [at_frame(p, frame) for p in (self["output"], self["deep"], *self.files) if p]
 
     def output_folders(self):
-        patterns = [p for p in (self["output"], self["deep"], self["preview"]) if p]
+        patterns = [p for p in (self["output"], self["deep"], self["preview"], *self.files) if p]
         return sorted({os.path.dirname(at_frame(p, frame)) for p in patterns for frame in self["frames"]})
 
     def parts(self, frame, tile):

@@ -149,12 +149,17 @@ def make_job(options):
     crops = crops_of(shot.window, *tiles)
     check_outputs(shot.outputs, frames)
     output, deep, preview = (shot.outputs.get(key, {"pattern": ""})["pattern"] for key in ("file", "deep", "preview"))
+    files = [shot.outputs[key]["pattern"] for key in shot.outputs if key not in ("file", "deep", "preview")]
+    if files and options.tiles != "1x1":
+        raise Failure(f"tiles of further files, such as '{files[0]}', cannot be merged; choose --tiles 1x1, or put all "
+                      "layers into one file")
     memory = parse_size(options.memory) if options.memory else memory_of(crops, shot.plan)
     compression = shot.scene.get("output", {}).get("compression", "zip")
     job = {
         "name": os.path.splitext(os.path.basename(folder))[0], "on": options.on,
         "scrim": scrim, "scene": shot.path, "digest": shot.digest(), "arguments": shot.arguments,
         "frames": frames, "chunk": options.chunk, "crops": crops, "output": output, "deep": deep, "preview": preview,
+        "files": files,
         # What a tile loses by compression the whole would lose again.
         "merge_compression": compression if compression == "dwaa" else "",
         "memory": memory, "most_memory": parse_size(options.most_memory) if options.most_memory else 16 * memory,

@@ -140,9 +140,9 @@ struct VoxelTile {
     const Vec3* ts = nullptr;
     SampleTile samples{};
     alignas(64) Real factor[kTileSize];
-    alignas(64) Real path[kTileSize];       // world length of the light's path through the sheet
-    alignas(64) Real clear[kTileSize];      // fraction of light that passes the solids
-    alignas(64) Real tau[3 * kTileSize]{};  // for each extinction channel
+    alignas(64) Real path[kTileSize];   // world length of the light's path through the sheet
+    alignas(64) Real clear[kTileSize];  // fraction of light that passes the solids
+    alignas(64) Real tau[ExtinctionChannels::kMost * kTileSize]{};
 };
 
 void meet(const SheetLight& light, const Sheets& sheets, int sheet, VoxelTile& tile) {
@@ -230,7 +230,7 @@ void Baking::addLight(const Batch& batch, int p, std::size_t index, std::size_t 
     BakedVolume& out = m_out[volume];
     if (out.lights[owner].empty()) return;
     meet(light, sheets, on.sheet, tile);
-    for (int c = 0; light.shadowed && c < channels; ++c) {
+    for (const int c : light.channels) {
         Real* tau = tile.tau + c * kTileSize;
         const Shadow* shadow = on.shadows[index * std::size_t(channels) + std::size_t(c)];
         shadow->lookUpPoints(p, tile.samples.u, tile.samples.v, tau);

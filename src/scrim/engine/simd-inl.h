@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
@@ -130,10 +131,44 @@ HWY_ATTR HWY_INLINE VF expMinus(VF t) {
     return hn::IfThenElseZero(hn::Lt(t, constant(87)), hn::Exp(d, hn::Neg(hn::Min(t, constant(87)))));
 }
 
+// e^-t for t from 0 to 80, to 2e-7 and in half the time of the library's exponential: a power of two and, for the rest
+// of up to half a step, a polynomial (S. Moshier, Cephes Mathematical Library, exp2f).
+template <class D>
+HWY_ATTR HWY_INLINE hn::Vec<D> shortExpMinus(D d, hn::Vec<D> t) {
+    const hn::RebindToSigned<D> di;
+    constexpr int kMantissa = sizeof(Real) == 4 ? 23 : 52, kBias = sizeof(Real) == 4 ? 127 : 1023;
+    const auto power = hn::Mul(t, hn::Set(d, static_cast<Real>(-std::numbers::log2e))), whole = hn::Round(power);
+    const auto rest = hn::Sub(power, whole);
+    auto sum = hn::Set(d, static_cast<Real>(1.535336188319500e-4));
+    for (const double next : {1.339887440266574e-3, 9.618437357674640e-3, 5.550332471162809e-2, 2.402264791363012e-1,
+                              6.931472028550421e-1, 1.0})
+        sum = hn::MulAdd(sum, rest, hn::Set(d, static_cast<Real>(next)));
+    const auto exponent = hn::Add(hn::ConvertTo(di, whole), hn::Set(di, kBias));
+    return hn::Mul(sum, hn::BitCast(d, hn::ShiftLeft<kMantissa>(exponent)));
+}
+
 // (1 - e^-t) / t, see sheet_integral.h. 1e-20 stands in for 0; there the quotient is still exact to rounding.
 HWY_ATTR HWY_INLINE VF psi(VF t) {
     const auto safe = hn::Max(t, constant(1e-20));
     return hn::Div(oneMinusExp(safe), safe);
+}
+
+// Rows of eight.
+using D8 = hn::CappedTag<Real, 8>;
+using V8 = hn::Vec<D8>;
+
+HWY_ATTR HWY_INLINE V8 value8(double v) {
+    return hn::Set(D8(), static_cast<Real>(v));
+}
+HWY_ATTR HWY_INLINE V8 counted(int first) {
+    return hn::Iota(D8(), static_cast<Real>(first));
+}
+HWY_ATTR HWY_INLINE V8 dot8(V8 x, V8 y, V8 z, const Vec3& v) {
+    return hn::MulAdd(x, value8(v.x), hn::MulAdd(y, value8(v.y), hn::Mul(z, value8(v.z))));
+}
+HWY_ATTR HWY_INLINE V8 bilinear(V8 a0, V8 a1, V8 b0, V8 b1, V8 fx, V8 fy) {
+    const V8 first = hn::MulAdd(fy, hn::Sub(b0, a0), a0), second = hn::MulAdd(fy, hn::Sub(b1, a1), a1);
+    return hn::MulAdd(fx, hn::Sub(second, first), first);
 }
 
 // Henyey and Greenstein's phase function times `scale`. 1 + g^2 - 2 g cos is never less than (1 - |g|)^2, but in floats

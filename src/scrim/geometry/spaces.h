@@ -7,6 +7,7 @@
 // float begins only where coordinates are local to a sheet or a leaf.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -27,6 +28,25 @@ using Rgb = glm::dvec3;   ///< scene-linear colour in the working space
 
 inline bool isGrey(const Rgb& colour) {
     return colour.x == colour.y && colour.x == colour.z;
+}
+
+/// The largest and the smallest component of a vector, and the axis of the largest.
+template <class T>
+T largest(const glm::vec<3, T>& v) {
+    return std::max(std::max(v.x, v.y), v.z);
+}
+template <class T>
+T smallest(const glm::vec<3, T>& v) {
+    return std::min(std::min(v.x, v.y), v.z);
+}
+inline int axisOfLargest(const Vec3& v) {
+    return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
+}
+
+/// The floor of a vector, which fits integers. A library's floor takes as long as a third of a look-up.
+inline Int3 wholeBelow(const Vec3& v) {
+    const Int3 whole(v);
+    return {whole.x - (v.x < whole.x ? 1 : 0), whole.y - (v.y < whole.y ? 1 : 0), whole.z - (v.z < whole.z ? 1 : 0)};
 }
 
 /// The image of the position `p` under the affine map `m`.

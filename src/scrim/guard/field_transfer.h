@@ -27,12 +27,13 @@ namespace scrim {
 inline constexpr const char* kPictureHeader = "header";
 inline constexpr const char* kPictureDepth = "depth";  ///< depth channel; the one parameter is its name
 inline constexpr const char* kMesh = "mesh";
+inline constexpr const char* kPhotometry = "photometry";
 inline constexpr const char* kEditedFile = "file";  ///< all grids of a file after an edit, as a .vdb file
 inline constexpr const char* kMadeFields = "made";  ///< fields that a source made, to be edited
 
 /// The task for a child. `what` is "fields" or "info" of a volume file, "picture", kPictureHeader or kPictureDepth of a
-/// picture, "source" to run a source on a file, kMesh, kMadeFields, or kEditedFile. The file is passed as a descriptor;
-/// its path is for messages.
+/// picture, "source" to run a source on a file, kMesh, kPhotometry, kMadeFields, or kEditedFile. The file is passed as
+/// a descriptor; its path is for messages.
 struct LoadRequest {
     std::string what;
     std::string path;

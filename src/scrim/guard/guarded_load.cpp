@@ -6,6 +6,7 @@
 #include <scrim/base/letter_case.h>
 #include <scrim/base/system_error.h>
 #include <scrim/guard/field_transfer.h>
+#include <scrim/guard/load_protocol.h>
 #include <scrim/guard/transfer_file.h>
 #include <scrim/volume/ax_module.h>
 #include <scrim/volume/loaded_source.h>
@@ -23,6 +24,7 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -54,6 +56,8 @@ constexpr Kind kSource{std::size_t{16} << 30, std::chrono::minutes{10}};
 
 /// Expressions make grids, and refining multiplies voxels.
 constexpr Kind kEdited{std::size_t{16} << 30, std::chrono::minutes{10}};
+
+static_assert(kMostGridFiles - 1 <= kMostDescriptors - kMore);
 
 LoadLimits limitsFor(const Kind& kind, std::uint64_t bytes, const LoadOptions& options) {
     LoadLimits limits;
@@ -166,13 +170,21 @@ LoadRequest requestOf(const std::string& what, const std::string& name, const st
     return request;
 }
 
-/// Starts a child that reads `what` of a file. The file is opened here, because children cannot open files.
+/// Starts a child that reads `what` of a file, and of the others that `edit` names. They are opened here, because
+/// children cannot open files.
 LoadJob begin(const std::string& what, const std::string& path, const std::vector<GridRequest>& requests,
               const LoadOptions& options, int transfer, const GridEdit* edit = nullptr) {
-    const VdbBytes file(path);
+    const VdbFiles files = openFiles(path, edit == nullptr ? std::span<const std::string>() : edit->files);
     sendRequest(transfer, requestOf(what, path, requests, edit));
-    return LoadJob(options.loader, LoadedFiles::volumes, workOn(path, edit), transfer, file.descriptor(),
-                   limitsFor(edit == nullptr ? kVolume : kEdited, file.size(), options), options.showStderr);
+    std::uint64_t bytes = 0;
+    std::vector<int> descriptors;
+    for (const auto& file : files) {
+        bytes += file->size();
+        descriptors.push_back(file->descriptor());
+    }
+    return LoadJob(options.loader, LoadedFiles::volumes, workOn(path, edit), transfer, descriptors.front(),
+                   limitsFor(edit == nullptr ? kVolume : kEdited, bytes, options), options.showStderr, -1,
+                   std::span(descriptors).subspan(1));
 }
 
 /// Runs `receive` and puts the path in front of its error about an incomplete transfer.
@@ -207,24 +219,32 @@ auto withLoader(const Checkpoint& checkpoint, const Load& load) {
     }
 }
 
-/// Starts a child that reads `what` of a picture with `parameters`, and receives the result.
+/// Starts a child of this kind that reads a file as `request` says, and receives the result, or what the file's problem
+/// is.
 template <typename Result>
-Result pictureJob(const std::string& path, const std::string& what, Result (*receive)(int), const LoadOptions& options,
-                  const Checkpoint& checkpoint, const SourceParameters& parameters = {}) {
+Result fileJob(LoadedFiles files, const Kind& kind, const LoadRequest& request, Result (*receive)(int),
+               const LoadOptions& options, const Checkpoint& checkpoint) {
+    const std::string& path = request.path;
     const OpenFile file(path);
     if (!file.problem().empty()) {
         Result none;
-        none.problem = file.problem();
+        none.problem = files == LoadedFiles::pictures ? file.problem() : fmt::format("{}: {}", path, file.problem());
         return none;
     }
     return withLoader(checkpoint, [&] {
         const Descriptor transfer(createTransfer());
-        sendRequest(transfer.fd(), {what, path, {}, "", parameters});
-        LoadJob(options.loader, LoadedFiles::pictures, path, transfer.fd(), file.fd(),
-                limitsFor(kPicture, file.size(), options), options.showStderr)
+        sendRequest(transfer.fd(), request);
+        LoadJob(options.loader, files, path, transfer.fd(), file.fd(), limitsFor(kind, file.size(), options),
+                options.showStderr)
             .wait(checkpoint);
         return received(path, [&] { return receive(transfer.fd()); });
     });
+}
+
+template <typename Result>
+Result pictureJob(const std::string& path, const std::string& what, Result (*receive)(int), const LoadOptions& options,
+                  const Checkpoint& checkpoint, const SourceParameters& parameters = {}) {
+    return fileJob(LoadedFiles::pictures, kPicture, {what, path, {}, "", parameters}, receive, options, checkpoint);
 }
 
 }  // namespace
@@ -234,7 +254,7 @@ GuardedFields::GuardedFields(const std::string& path, const std::vector<GridRequ
     : m_path(path),
       m_requests(requests),
       m_edit(edit == nullptr ? std::nullopt : std::optional(*edit)),
-      m_identity(identityOf(path)),
+      m_identities(identities()),
       m_transfer(createTransfer()),
       m_job(begin("fields", path, requests, options, m_transfer.fd(), edit)) {}
 
@@ -246,8 +266,14 @@ GuardedFields::Identity GuardedFields::identityOf(const std::string& path) {
             static_cast<std::int64_t>(status.st_mtim.tv_nsec)};
 }
 
+std::vector<GuardedFields::Identity> GuardedFields::identities() const {
+    std::vector<Identity> all{identityOf(m_path)};
+    for (std::size_t i = 1; m_edit && i < m_edit->files.size(); ++i) all.push_back(identityOf(m_edit->files[i]));
+    return all;
+}
+
 bool GuardedFields::isCurrent() const {
-    return identityOf(m_path) == m_identity;
+    return identities() == m_identities;
 }
 
 std::vector<SparseField> GuardedFields::take(const MessageSink& messages, const Checkpoint& checkpoint) {
@@ -324,16 +350,12 @@ FileDepth guardedDepth(const std::string& path, const std::string& channel, cons
 }
 
 FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
-    const OpenFile file(path);
-    if (!file.problem().empty()) return {{}, fmt::format("{}: {}", path, file.problem())};
-    return withLoader(checkpoint, [&] {
-        const Descriptor transfer(createTransfer());
-        sendRequest(transfer.fd(), {kMesh, path, {}, besideLibrary(kMeshModule)});
-        LoadJob(options.loader, LoadedFiles::volumes, path, transfer.fd(), file.fd(),
-                limitsFor(kSource, file.size(), options), options.showStderr)
-            .wait(checkpoint);
-        return received(path, [&] { return receiveMesh(transfer.fd()); });
-    });
+    return fileJob(LoadedFiles::volumes, kSource, {kMesh, path, {}, besideLibrary(kMeshModule)}, receiveMesh, options,
+                   checkpoint);
+}
+
+FilePhotometry guardedPhotometry(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    return fileJob(LoadedFiles::volumes, kPicture, {kPhotometry, path, {}}, receivePhotometry, options, checkpoint);
 }
 
 std::vector<SparseField> guardedSource(const std::string& source, const SourceParameters& parameters,

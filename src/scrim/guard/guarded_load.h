@@ -6,6 +6,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/image/light_profile.h>
 #include <scrim/image/picture_module.h>
 #include <scrim/solid/mesh_module.h>
 #include <scrim/volume/grid_edit.h>
@@ -39,7 +40,7 @@ class GuardedFields {
     const std::string& path() const { return m_path; }
     const std::vector<GridRequest>& requests() const { return m_requests; }
     const std::optional<GridEdit>& edit() const { return m_edit; }
-    /// True if the path still names the file that was opened and nobody has written to it since.
+    /// True if the paths still name the files that were opened and nobody has written to them since.
     bool isCurrent() const;
 
   private:
@@ -50,11 +51,13 @@ class GuardedFields {
         bool operator==(const Identity&) const = default;
     };
     static Identity identityOf(const std::string& path);
+    /// Those of all files as they are now.
+    std::vector<Identity> identities() const;
 
     std::string m_path;
     std::vector<GridRequest> m_requests;
     std::optional<GridEdit> m_edit;
-    Identity m_identity;
+    std::vector<Identity> m_identities;
     Descriptor m_transfer;
     LoadJob m_job;
 };
@@ -76,6 +79,9 @@ PictureHeader guardedHeader(const std::string& path, const LoadOptions& options,
 /// The depths of a channel; "": of the only channel that can hold them.
 FileDepth guardedDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
                        const Checkpoint& checkpoint);
+
+/// The candelas of a photometric file; a defect of the file is reported in its `problem`. Throws Error as `loadFields`.
+FilePhotometry guardedPhotometry(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
 
 /// The mesh of an OBJ or PLY file; a defect of the file is reported in its `problem`. Throws Error as `loadFields`.
 FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);

@@ -46,9 +46,8 @@ std::vector<SparseField> loadFields(const std::string& path, const std::vector<G
         return guardedFields(path, requests, options, messages, checkpoint, edit);
     std::vector<SparseField> fields;
     readWithErrors(path, [&] {
-        const VdbBytes file(path);
-        fields = edit == nullptr ? readFields(file, requests, messages)
-                                 : readFields(file, requests, *editorHere(*edit), messages);
+        fields = edit == nullptr ? readFields(VdbBytes(path), requests, messages)
+                                 : readFields(openFiles(path, edit->files), requests, *editorHere(*edit), messages);
     });
     return fields;
 }
@@ -94,6 +93,16 @@ FileDepth readDepth(const std::string& path, const std::string& channel, const L
     checkPictureFile(path);
     if (options.volumes == VolumeLoading::guarded) return guardedDepth(path, channel, options, checkpoint);
     return pictureModule().depth(path, channel);
+}
+
+FilePhotometry loadPhotometry(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    FilePhotometry file;
+    if (options.volumes == VolumeLoading::guarded)
+        file = guardedPhotometry(path, options, checkpoint);
+    else
+        readWithErrors(path, [&] { file = readPhotometry(path); });
+    if (!file.problem.empty()) throw Error(ErrorKind::input, file.problem);
+    return file;
 }
 
 TriangleMesh loadMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {

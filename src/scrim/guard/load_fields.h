@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/image/light_profile.h>
 #include <scrim/image/picture_module.h>
 #include <scrim/solid/triangle_mesh.h>
 #include <scrim/volume/grid_edit.h>
@@ -48,6 +49,9 @@ FilePicture readPicture(const std::string& path, const LoadOptions& options, con
 /// readPicture.
 FileDepth readDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
                     const Checkpoint& checkpoint = {});
+
+/// Reads a photometric file. Throws Error(input) where it is missing or damaged, else as `loadFields`.
+FilePhotometry loadPhotometry(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint = {});
 
 /// Reads a mesh file. Throws Error(input) where it is missing or damaged, else as `loadFields`.
 TriangleMesh loadMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint = {});

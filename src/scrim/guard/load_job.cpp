@@ -237,17 +237,18 @@ void warmLoader(const std::string& loader, LoadedFiles files) noexcept {
 }
 
 LoadJob::LoadJob(const std::string& loader, LoadedFiles files, const std::string& path, int transfer, int input,
-                 const LoadLimits& limits, bool showStderr, int beside)
+                 const LoadLimits& limits, bool showStderr, int beside, std::span<const int> more)
     : m_path(path), m_limits(limits) {
     auto [ours, theirs] = socketPair();
     LoadMessage message;
     message.memory = limits.memory;
     message.seconds = static_cast<std::uint64_t>(limits.patience.count());
     message.threads = static_cast<std::uint32_t>(threadCount());
-    const int descriptors[kMostDescriptors] = {theirs.fd(), transfer, input, beside >= 0 ? beside : input,
-                                               STDERR_FILENO};
-    servers().send(keyOf(loader, files), message,
-                   std::span(descriptors, showStderr && isOpen(STDERR_FILENO) ? kMostDescriptors : kStderr));
+    message.showsStderr = showStderr && isOpen(STDERR_FILENO) ? 1 : 0;
+    std::vector<int> descriptors{theirs.fd(), transfer, input, beside >= 0 ? beside : input,
+                                 message.showsStderr != 0 ? STDERR_FILENO : input};
+    descriptors.insert(descriptors.end(), more.begin(), more.end());
+    servers().send(keyOf(loader, files), message, descriptors);
     m_control = std::move(ours);
 }
 

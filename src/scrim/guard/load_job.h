@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 
 namespace scrim {
@@ -38,10 +39,11 @@ class LoaderLost : public Error {
 class LoadJob {
   public:
     /// Starts a child of `loader` that reads `input`, a file of the kind `files`, as the request in `transfer` says.
-    /// Both descriptors stay open here, and so does `beside`, a second file that belongs to the input (-1: none).
+    /// Both descriptors stay open here, and so do `beside`, a second file that belongs to the input (-1: none), and
+    /// `more`, the other files of a volume, of which there are at most kMostDescriptors - kMore (load_protocol.h).
     /// Throws Error(render, memory) where the program cannot be started.
     LoadJob(const std::string& loader, LoadedFiles files, const std::string& path, int transfer, int input,
-            const LoadLimits& limits, bool showStderr, int beside = -1);
+            const LoadLimits& limits, bool showStderr, int beside = -1, std::span<const int> more = {});
 
     /// Waits until the child has ended properly; calls `checkpoint` every few milliseconds. Throws whatever that
     /// throws, LoaderLost, and an Error where the child crashed or takes longer than the limits allow from now on. If

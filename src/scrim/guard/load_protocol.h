@@ -16,12 +16,22 @@ struct LoadMessage {
     std::uint64_t memory = 0;   ///< address space that the child may add to what it starts with, bytes
     std::uint64_t seconds = 0;  ///< processor time, for each thread
     std::uint32_t threads = 1;  ///< threads that a volume source may use; files are read by one
-    /// Number of descriptors with the message, in the order below; the last may be missing.
+    /// Number of descriptors with the message, in the order below.
     std::uint32_t descriptors = 0;
+    std::uint32_t showsStderr = 0;  ///< 1: the child writes to kStderr what libraries print
 };
 
-/// `kBeside` is a second file to read, or the input again where there is none.
-enum LoadDescriptor : std::uint32_t { kControl, kTransfer, kInput, kBeside, kStderr, kMostDescriptors };
+/// `kBeside` is a second file to read, or the input again where there is none; so is `kStderr` where it is not used.
+/// From `kMore` on there are the other files of a volume that is put together from several.
+enum LoadDescriptor : std::uint32_t {
+    kControl,
+    kTransfer,
+    kInput,
+    kBeside,
+    kStderr,
+    kMore,
+    kMostDescriptors = kMore + 31
+};
 
 /// The answer through `control`.
 struct LoadAnswer {

@@ -3,6 +3,7 @@
 
 #include <scrim/guard/transfer_file.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
@@ -30,6 +31,10 @@ void takeSize(const Pixels& pixels, Picture& out) {
 struct DepthWindows {
     std::int32_t x0 = 0, y0 = 0, width = 0, height = 0, fullWidth = 0, fullHeight = 0;
     std::uint32_t deep = 0;
+};
+
+struct AngleCounts {
+    std::uint64_t vertical = 0, horizontal = 0;
 };
 
 template <typename T>
@@ -148,6 +153,45 @@ FileDepth receivePictureDepth(int fd) {
         takeInto(out.depths, pixels, reader);
     }
     if (!reader.done()) incompleteTransfer("it is longer than its header says");
+    return out;
+}
+
+void sendPhotometry(int fd, const FilePhotometry& file) {
+    TransferWriter writer(fd);
+    writer.value(AngleCounts{file.vertical.size(), file.horizontal.size()});
+    writer.text(file.problem);
+    writer.align();
+    for (const std::vector<float>* values : {&file.vertical, &file.horizontal, &file.candela})
+        writer.bytes(values->data(), values->size() * sizeof(float));
+    writer.finish({}, TransferKind::photometry);
+}
+
+FilePhotometry receivePhotometry(int fd) {
+    const TransferMapping mapping(fd);
+    TransferReader reader(mapping);
+    reader.header(TransferKind::photometry);
+    const auto counts = reader.value<AngleCounts>();
+    FilePhotometry out;
+    out.problem = shortened(reader.text(), 2000);
+    if (!out.problem.empty()) return out;
+    if (counts.vertical < 2 || counts.vertical > kMostProfileAngles || counts.horizontal < 1 ||
+        counts.horizontal > kMostProfileAngles || counts.vertical * counts.horizontal > kMostCandelas)
+        incompleteTransfer("its angles are too few or too many");
+    reader.align();
+    takeInto(out.vertical, counts.vertical, reader);
+    takeInto(out.horizontal, counts.horizontal, reader);
+    takeInto(out.candela, counts.vertical * counts.horizontal, reader);
+    if (!reader.done()) incompleteTransfer("it is longer than its header says");
+    for (const std::vector<float>* angles : {&out.vertical, &out.horizontal})
+        for (std::size_t i = 0; i < angles->size(); ++i)
+            if (!((*angles)[i] >= 0 && (*angles)[i] <= 360 && (i == 0 || (*angles)[i] > (*angles)[i - 1])))
+                incompleteTransfer("its angles do not ascend");
+    float most = 0;
+    for (const float candela : out.candela) {
+        if (!(candela >= 0 && candela <= kMostCandela)) incompleteTransfer("a candela value is out of range");
+        most = std::max(most, candela);
+    }
+    if (most == 0) incompleteTransfer("its candela values are all 0");
     return out;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: transfers a picture that another process read (transfer_file.h).
+// Internal: transfers a picture or a photometric file that another process read (transfer_file.h).
 #pragma once
 
+#include <scrim/image/light_profile.h>
 #include <scrim/image/picture_module.h>
 
 namespace scrim {
@@ -18,5 +19,9 @@ PictureHeader receivePictureHeader(int fd);
 /// The same for depths.
 void sendPictureDepth(int fd, const FileDepth& depth);
 FileDepth receivePictureDepth(int fd);
+
+/// The same for a photometric file, whose angles ascend and whose candelas are finite, not negative, and not all 0.
+void sendPhotometry(int fd, const FilePhotometry& file);
+FilePhotometry receivePhotometry(int fd);
 
 }  // namespace scrim

@@ -25,6 +25,7 @@ enum class TransferKind : std::uint32_t {
     mesh = 7,
     pictureDepth = 8,
     file = 9,
+    photometry = 10,
 };
 
 /// The start of the file; the contents that `kind` stands for follow. An error consists of its text; a GridError

@@ -97,10 +97,10 @@ Rgb Blackbody::colour(double kelvin) const {
     return inGamut / glm::dot(m_luminance, inGamut);
 }
 
-std::vector<std::pair<double, Rgb>> Blackbody::ramp(double scale, double offset, bool normalize) const {
+std::vector<std::pair<double, Rgb>> Blackbody::ramp(double scale, double offset, double physical) const {
     std::vector<std::pair<double, Rgb>> points;
     const auto add = [&](double kelvin) {
-        points.emplace_back((kelvin - offset) / scale, colour(kelvin) * (normalize ? 1.0 : blackbodyRadiance(kelvin)));
+        points.emplace_back((kelvin - offset) / scale, colour(kelvin) * std::pow(blackbodyRadiance(kelvin), physical));
     };
     // The ramp rises from black to the first colour within one Kelvin: above 0 Kelvin, or lower where grid value 0 lies
     // at 0 to 1 Kelvin, since that value must have its colour.

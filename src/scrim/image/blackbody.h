@@ -33,9 +33,9 @@ class Blackbody {
     Rgb colour(double kelvin) const;
 
     /// A ramp from grid value to colour, for `kelvin = value * scale + offset`, scale > 0: black where kelvin is below
-    /// 0, constant above kHottestColour. The luminance is 1 or, without `normalize`, blackbodyRadiance. Points ascend;
-    /// linear interpolation between them is within 0.2 % of the luminance from 100 K on.
-    std::vector<std::pair<double, Rgb>> ramp(double scale, double offset, bool normalize) const;
+    /// 0, constant above kHottestColour. The luminance is blackbodyRadiance to the power of `physical`, 0 to 1. Points
+    /// ascend; linear interpolation between them is within 0.2 % of the luminance from 100 K on.
+    std::vector<std::pair<double, Rgb>> ramp(double scale, double offset, double physical) const;
 
   private:
     Mat3 m_workingFromXyz;

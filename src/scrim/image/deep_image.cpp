@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/image/deep_image.h>
 
+#include <scrim/base/parallel.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -168,6 +170,22 @@ std::size_t DeepImage::bytes() const {
     for (const Row& row : rows)
         bytes += row.pieces.capacity() * sizeof(DeepPiece) + row.first.capacity() * sizeof(std::uint32_t);
     return bytes;
+}
+
+DeepImage deepImage(const PixelWindow& window, const std::function<DeepCurve(int x, int y)>& curveAt) {
+    DeepImage image{window, {}};
+    image.rows.resize(std::size_t(window.height()));
+    parallelFor(image.rows.size(), [&](std::size_t r) {
+        DeepImage::Row& row = image.rows[r];
+        row.first.push_back(0);
+        for (int x = window.x0; x < window.x1; ++x) {
+            const DeepCurve curve = curveAt(x, window.y0 + static_cast<int>(r));
+            row.pieces.insert(row.pieces.end(), curve.begin(), curve.end());
+            row.first.push_back(static_cast<std::uint32_t>(row.pieces.size()));
+        }
+        row.pieces.shrink_to_fit();
+    });
+    return image;
 }
 
 }  // namespace scrim

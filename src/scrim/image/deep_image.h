@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -59,5 +60,8 @@ struct DeepImage {
     std::size_t pieceCount() const;
     std::size_t bytes() const;
 };
+
+/// The picture with these curves. `curveAt` is called for several rows at a time.
+DeepImage deepImage(const PixelWindow& window, const std::function<DeepCurve(int x, int y)>& curveAt);
 
 }  // namespace scrim

@@ -124,7 +124,7 @@ std::size_t writeExr(const std::string& path, const Image& image, const ExrOptio
     return writingExr(path, [&](AtomicFile& file) {
         Imf::Header header = makeExrHeader(dataWindow, options, attributes);
         ChannelSet channels(image.window, dataWindow);
-        channels.add(header, {"R", "G", "B", "A"}, image.rgba, options.half);
+        if (options.picture) channels.add(header, {"R", "G", "B", "A"}, image.rgba, options.half);
         for (const ExrLayer& layer : layers)
             channels.add(header, layer.channels, layer.data, options.half && !layer.always32bit);
 

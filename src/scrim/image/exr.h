@@ -25,6 +25,7 @@ struct ExrOptions {
     /// says, with acesImageContainerFlag and the chromaticities of AP0. It takes no layers. No other file gets
     /// chromaticities.
     bool acesContainer = false;
+    bool picture = true;  ///< the image is written; false: the layers alone, and the image tells where they are empty
     /// The data window is the whole image, even where it is empty: for layers that are not 0 in empty space.
     bool wholeWindow = false;
 };

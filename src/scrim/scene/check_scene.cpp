@@ -139,6 +139,7 @@ void checkKind(const Check& check, const Light& light) {
     if (const auto* sun = std::get_if<Light::Distant>(&light.kind)) return check.number(k.angle, sun->angle);
     if (const Light::Dome* dome = light.dome()) return check.number(k.rotation, dome->rotation);
     if (const Light::Area* area = light.area()) {
+        if (area->shape == AreaShape::mesh) return;
         check.number(k.spread, area->spread);
         if (area->shape != AreaShape::rectangle) check.number(k.radius, area->radius, Range::positiveLength());
         if (area->shape == AreaShape::rectangle || area->shape == AreaShape::cylinder)
@@ -213,8 +214,7 @@ void checkEmission(const Check& check, const Emission& emission) {
     check.members(k, emission);
     if (emission.mask) checkRemap(check, emission.mask->remap);
     const auto ends = [](const Rgb& rgb) {
-        return isFinite(rgb) ? std::pair(std::min({rgb.x, rgb.y, rgb.z}), std::max({rgb.x, rgb.y, rgb.z}))
-                             : std::pair(std::nan(""), std::nan(""));
+        return isFinite(rgb) ? std::pair(smallest(rgb), largest(rgb)) : std::pair(std::nan(""), std::nan(""));
     };
     if (!emission.blackbody) return check.ramp(k.ramp, emission.ramp, kMostLight, ends);
     check.members(keysOf<BlackbodyKeys>(), emission);
@@ -273,12 +273,6 @@ void checkOutput(const Check& check, const Scene& scene) {
     const SceneOutput& output = scene.output;
     check.members(k, output);
     check.members(keysOf<HoldoutKeys>(), output.holdout);
-    if (!scene.shutter || output.deep.file.empty()) return;
-    const std::string line = scene.lines ? scene.lines->of("output.deep") : "";
-    const std::string& where = line.empty() ? scene.file : line;
-    throw Error(ErrorKind::input, fmt::format("{}{} cannot be combined with {} of [camera]: a deep sample has one "
-                                              "depth, but a moving object has many; remove one of the two",
-                                              where.empty() ? "" : where + ": ", k.deep, keysOf<CameraKeys>().shutter));
 }
 
 }  // namespace
@@ -294,7 +288,13 @@ void checkScene(const Scene& scene) {
         check.transform(keysOf<TransformKeys>().matrix, mesh.wsFromMesh);
         check.colour(keysOf<MeshKeys>().albedo, mesh.albedo, 1);
     }
-    for (const Light& light : scene.lights) checkLight(named("light", light.name), light);
+    for (const Light& light : scene.lights) {
+        const Check check = named("light", light.name);
+        checkLight(check, light);
+        const auto shines = [&](const SceneMesh& mesh) { return mesh.name == light.area()->mesh; };
+        if (light.area() && light.area()->shape == AreaShape::mesh && std::ranges::none_of(scene.meshes, shines))
+            check.refuse(keysOf<LightKeys>().mesh.name, shortened(light.area()->mesh, 60), "the name of a mesh");
+    }
     Check(scene, "[ambient]").light(keysOf<AmbientKeys>().color, scene.ambient);
     checkDials(scene.dials, scene.file.empty() ? "[render]" : scene.file + ": [render]");
     Check(scene, "[render]").members(keysOf<RenderKeys>(), scene);

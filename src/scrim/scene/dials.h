@@ -20,6 +20,9 @@ enum class ShadowPlane { light, image };
 /// that a light that crosses the perpendicular by one degree a frame fades over several frames.
 inline constexpr double kCrossFade = 2;
 
+/// Edge, in voxels, of the cells that carry multiply scattered light, where neither the scene nor a preset says one.
+inline constexpr double kScatterCell = 2;
+
 struct Dials {
     double sheetThickness = 1.5;  ///< voxels, before the factor of the cosine of the worst slant
     double texel = 0.7;           ///< edge of a texel, voxels
@@ -37,10 +40,12 @@ struct Dials {
     std::optional<double> crossFade;
     double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque
     double lightError = 0.005;    ///< relative error allowed to the sub-lights that represent an extended light
-    double lod = 0;          ///< projected size of a voxel, pixels, below which a coarser level is splatted; 0: never
-    int antialias = 1;       ///< n x n rays a pixel
+    double lod = 0;     ///< projected size of a voxel, pixels, below which a coarser level is splatted; 0: never
+    int antialias = 1;  ///< n x n rays a pixel
     std::optional<double> lightCell;  ///< edge, in voxels, of the cells of lights on cells; no value: chosen
-    double scatterCell = 2;  ///< edge, in voxels, of the cells that carry multiply scattered light
+    /// Edge, in voxels, of the cells that carry multiply scattered light; no value: chosen for the preset's promise
+    /// (verify/promise.h), or kScatterCell where nobody chooses.
+    std::optional<double> scatterCell;
     /// Directions that carry multiply scattered light; no value: chosen from the phase functions.
     std::optional<int> scatterDirections;
     /// Sweeps of multiply scattered light end when one changes it by less than this, relative.

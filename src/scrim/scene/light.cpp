@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/light.h>
 
+#include <scrim/geometry/bounds.h>
 #include <scrim/geometry/camera.h>
+#include <scrim/image/light_profile.h>
+#include <scrim/solid/triangle_mesh.h>
 
 #include <algorithm>
 #include <cmath>
@@ -31,11 +34,30 @@ double Spread::at(double cosine) const {
 double Light::Area::area() const {
     if (shape == AreaShape::rectangle) return width * height;
     if (shape == AreaShape::cylinder) return 2 * std::numbers::pi * radius * width;
+    if (shape == AreaShape::mesh) return surface ? MeshPlaces(*surface).area() : 0;
     return (shape == AreaShape::disk ? 1 : 4) * std::numbers::pi * radius * radius;
+}
+
+void shineFrom(Light& light, const TriangleMesh& mesh, const Mat4& wsFromMesh) {
+    auto& area = std::get<Light::Area>(light.kind);
+    auto surface = std::make_shared<TriangleMesh>(mesh);
+    Bounds ws;
+    for (Vec3& point : surface->points) ws.include(point = transformPoint(wsFromMesh, point));
+    if (glm::determinant(wsFromMesh) < 0) turnOver(*surface);  // as a mirror does
+    if (isInsideOut(*surface)) turnOver(*surface);
+    area.surface = surface;
+    light.wsPosition = ws.center();
+    if (area.normalize && area.area() > 0) light.intensity /= area.area();
+    area.normalize = false;
 }
 
 Mat3 lightFrame(const Light& light) {
     return lookAt(Vec3(0), -light.wsDirection, light.wsUp);
+}
+
+double luminairePart(const Light& light, const Mat3& frame, const Vec3& wsTravel) {
+    if (!light.luminaire || !light.luminaire->profile) return 1;
+    return light.luminaire->profile->at(wsTravel * frame);  // the transpose turns into the frame
 }
 
 Vec3 pictureOfRectangle(const Light& light, double u, double v) {

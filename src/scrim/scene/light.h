@@ -13,7 +13,9 @@
 
 namespace scrim {
 
+class LightProfile;
 struct SkyParts;
+struct TriangleMesh;
 
 /// What the slide lets through beyond the picture's border.
 enum class SlideOutside { black, clamp, repeat };
@@ -35,7 +37,14 @@ struct Slide {
     std::shared_ptr<const SkyParts> parts = {};
 };
 
-enum class AreaShape { rectangle, disk, sphere, cylinder };
+/// The luminaire around a point or spot light: how its intensity depends on the direction.
+struct Luminaire {
+    std::string file;                                  ///< the path of a photometric file (IES LM-63) at this frame
+    std::string where;                                 ///< where the scene says `ies`
+    std::shared_ptr<const LightProfile> profile = {};  ///< null until it is loaded
+};
+
+enum class AreaShape { rectangle, disk, sphere, cylinder, mesh };
 
 /// How a surface's radiance depends on the direction, if a grid in front of it holds back what leaves it aslant: at an
 /// angle t to the normal it has the factor (tan a - tan t) / (tan a - a), a half of the spread. The power stays the
@@ -80,14 +89,19 @@ struct Light {
         double spread = 180;  ///< full angle, degrees (see Spread)
     };
     /// A surface around wsPosition that emits the same radiance in all directions (Lambert). Rectangles and disks emit
-    /// only to the side that wsDirection points to, spheres and cylinders outwards. The slide of a rectangle is the
-    /// picture on it (see pictureOfRectangle).
+    /// only to the side that wsDirection points to, spheres, cylinders and closed meshes outwards, and open meshes to
+    /// the side from which the corners of their triangles are counterclockwise. The slide of a rectangle is the picture
+    /// on it (see pictureOfRectangle).
     struct Area {
         AreaShape shape = AreaShape::rectangle;
         double width = 1, height = 1;  ///< rectangle: edges across wsUp and along it; cylinder: its length (width)
         double radius = 0.5;           ///< disk, sphere and cylinder: world units
         double spread = 180;           ///< rectangle and disk: full angle, degrees (see Spread)
-        /// Area of the emitting surface, world units squared: w h, pi r^2, 4 pi r^2 or, without the ends, 2 pi r w.
+        std::string mesh = {};         ///< mesh: the name of the scene's mesh that shines
+        bool normalize = false;        ///< mesh: shineFrom divides the intensity by the area
+        std::shared_ptr<const TriangleMesh> surface = {};  ///< mesh: in world space; null until shineFrom
+        /// Area of the emitting surface, world units squared: w h, pi r^2, 4 pi r^2, without the ends 2 pi r w, or the
+        /// sum of the triangles'.
         double area() const;
     };
     /// The sky, infinitely far away. Its slide is a lat-long picture (see domeDirection).
@@ -99,15 +113,16 @@ struct Light {
     std::string group;  ///< lights of one group share a layer, which has its name; "": the light has its own
     std::variant<Distant, Point, Spot, Element, Area, Dome> kind;
     Vec3 wsPosition{0};  ///< point and spot: the place; area: the centre; distant: the centre of the slide
-    /// Unit; distant: direction of travel; else the axis of a cone or slide, or the normal.
+    /// Unit; distant: direction of travel; else the axis of a cone, slide or luminaire, or the normal.
     Vec3 wsDirection{0, 0, -1};
-    Vec3 wsUp{0, 1, 0};  ///< the up direction of a slide, rectangle or sky; any length but 0
+    Vec3 wsUp{0, 1, 0};  ///< the up direction of a slide, luminaire, rectangle or sky; any length but 0
     /// Colour * intensity * 2^exposure. It is irradiance for distant lights and lights without decay, radiance for area
     /// lights and domes, and radiant intensity for all others: their irradiance is intensity / max(r^2, radius^2), r in
     /// world units.
     Rgb intensity{1};
     int samples = 0;  ///< sub-lights that represent an extended light; 0: as many as the dial light_error asks for
-    std::optional<Slide> slide;  ///< multiplies the intensity; a projector is a point light with a slide
+    std::optional<Slide> slide;          ///< multiplies the intensity; a projector is a point light with a slide
+    std::optional<Luminaire> luminaire;  ///< points and spots: multiplies the intensity by 0 to 1
     bool shadows = true;
     ShadowMethod shadow = ShadowMethod::automatic;
 
@@ -131,10 +146,17 @@ struct Light {
     Point& point() { return const_cast<Point&>(std::as_const(*this).point()); }
 };
 
-/// The right, up and normal axes of an area light or a dome, in world space, as orthonormal columns. The normal lies
-/// along light.wsDirection, and up is as near to light.wsUp as possible. Right is on the right of a viewer whom the
-/// light shines at.
+/// The right, up and normal axes of an area light, a dome or a luminaire, in world space, as orthonormal columns. The
+/// normal lies along light.wsDirection, and up is as near to light.wsUp as possible. Right is on the right of a viewer
+/// whom the light shines at.
 Mat3 lightFrame(const Light& light);
+
+/// Makes a light whose shape is a mesh shine from `mesh`, which `wsFromMesh` places.
+void shineFrom(Light& light, const TriangleMesh& mesh, const Mat4& wsFromMesh);
+
+/// The factor of the light's luminaire, from 0 to 1, on light that travels along `wsTravel` (unit); 1 without one, or
+/// before it is loaded. `frame`: that of the light.
+double luminairePart(const Light& light, const Mat3& frame, const Vec3& wsTravel);
 
 /// The point on a rectangle, world space, that shows (u, v) of its picture. A viewer whom the light shines at sees (0,
 /// 0) at the top left corner and (1, 1) at the bottom right one, as on a screen.

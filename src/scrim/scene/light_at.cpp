@@ -22,6 +22,7 @@ double SpotEdges::part(double cosine) const {
 
 LightAt::LightAt(const Light& light, double leastRadius) : m_light(light) {
     if (light.slide) m_slide = slideMap(light);
+    if (light.luminaire) m_frame = lightFrame(light);
     if (const Light::Spot* spot = light.spot()) m_edges.emplace(*spot);
     if (const Light::Element* element = light.element()) m_spread = Spread(element->spread);
     if (light.distant()) return;
@@ -39,6 +40,7 @@ Arriving LightAt::at(const Vec3& ws) const {
         if (m_light.point().decay) out.irradiance /= std::max(glm::dot(way, way), m_radius2);
         const double along = glm::dot(out.travel, m_light.wsDirection);
         if (m_edges) out.irradiance *= m_edges->part(along);
+        if (m_light.luminaire) out.irradiance *= luminairePart(m_light, m_frame, out.travel);
         if (m_light.element()) out.irradiance *= std::max(along, 0.0) * m_spread.at(along);
     }
     if (m_slide) out.irradiance *= slideValue(m_light, *m_slide, ws);

@@ -23,6 +23,11 @@ double longestOf(const Mat4& isFromWs) {
 
 }  // namespace
 
+bool scattersOnce(const ViewVolume& volume) {
+    return !scattersFully(volume) && !volume.holdout && !volume.classified && !volume.field->empty() &&
+           (!volume.scatter.empty() || volume.medium.albedo != Rgb(0));
+}
+
 FieldInWorld::FieldInWorld(const ViewField& view, Kernel kernel, FieldSamplers& samplers)
     : isFromWs(glm::inverse(view.wsFromIs)), isPerWs(longestOf(isFromWs)) {
     std::shared_ptr<const FieldSampler>& shared = samplers[view.field.get()];
@@ -118,6 +123,41 @@ double VolumeOptics::evenAlong(const Vec3& ws, const Vec3& way, double reach) co
     if (m_volume->classified && !m_volume->classified->gradientRamp.empty()) return -1;
     return m_density->field->evenAlong(transformPoint(m_density->isFromWs, ws),
                                        transformVector(m_density->isFromWs, way), reach * m_voxels);
+}
+
+double emptyDistance(const std::vector<VolumeOptics>& volumes, const Vec3& ws) {
+    double distance = std::numeric_limits<double>::infinity();
+    for (const VolumeOptics& volume : volumes) {
+        distance = std::min(distance, volume.emptyDistance(ws));
+        if (distance == 0) break;
+    }
+    return distance;
+}
+
+Rgb opticalDepth(const std::vector<VolumeOptics>& volumes, const Bounds& wsBounds, double step, const Vec3& wsA,
+                 const Vec3& wsB, std::optional<std::size_t> light) {
+    const double length = glm::distance(wsA, wsB);
+    if (length == 0 || volumes.empty()) return Rgb(0);
+    const Vec3 direction = (wsB - wsA) / length;
+    const auto [begin, end] = wsBounds.clip(wsA, direction, 0, length);
+    const double gauss = 0.5 / std::sqrt(3.0);
+    Rgb tau(0), before(-1);
+    for (double t = begin; t < end;) {
+        // Only where the last step met nothing, there may be nothing all around.
+        if (const double empty = tau == before || t == begin ? emptyDistance(volumes, wsA + t * direction) : 0;
+            empty > 0) {
+            t += empty;
+            continue;
+        }
+        const double own = std::min(step, end - t), middle = t + 0.5 * own;
+        before = tau;
+        for (const double at : {middle - gauss * own, middle + gauss * own})
+            for (const VolumeOptics& volume : volumes)
+                if (!light || litBy(volume.volume().shadows, *light))
+                    tau += 0.5 * own * volume.extinction(wsA + at * direction);
+        t += own;
+    }
+    return tau;
 }
 
 }  // namespace scrim

@@ -30,6 +30,9 @@ struct FieldInWorld {
     double value(const Vec3& ws) const { return field->value(transformPoint(isFromWs, ws)); }
 };
 
+/// True if the volume has a medium that scatters light, but not fully.
+bool scattersOnce(const ViewVolume& volume);
+
 /// The optics of one volume. Where velocities move its fields (ViewVelocity), all values are those of the moved fields.
 class VolumeOptics {
   public:
@@ -79,5 +82,15 @@ class VolumeOptics {
     double m_mostWay = 0;  // longest displacement, world units
     double m_voxels = 0;   // the most voxels of the density grid that one world unit can span along an axis
 };
+
+/// Optical depth of each colour between two points in world space: of all volumes, or of those that cast shadows in
+/// light `light` of the scene. By steps of at most `step`, world units, with two-point Gauss quadrature, which is exact
+/// for the cubics that a trilinear field forms within a cell. `wsBounds`: a box that holds all volumes.
+Rgb opticalDepth(const std::vector<VolumeOptics>& volumes, const Bounds& wsBounds, double step, const Vec3& wsA,
+                 const Vec3& wsB, std::optional<std::size_t> light = {});
+
+/// A distance within which all fields of all volumes are known to be 0; 0 where none is known, infinite without
+/// volumes.
+double emptyDistance(const std::vector<VolumeOptics>& volumes, const Vec3& ws);
 
 }  // namespace scrim

@@ -42,6 +42,18 @@ struct HoldoutKeys : SectionOf<SceneHoldout> {
                "The window of the file that has the picture's resolution. The other one may be larger or smaller.");
 };
 
+/// The keys of a file that are those of [output] unless it states them.
+struct FileKeys : SectionOf<OutputFile> {
+    FileKeys();
+    const Key& file = path("file", "a path such as \"plume.z.####.exr\"", "An EXR beside the picture.").required();
+    const Key& layers;
+    const Key& picture = boolean("picture", false, "It holds the picture (R, G, B, A), too.");
+    const Key& colorspace =
+        text("colorspace", "the name of a colour space", "Colour space of the file.").unless("that of [output]");
+    const Key& type = choice("type", {"half", "float"}, "16 or 32 bits per channel.").unless("that of [output]");
+    const Key& compression;
+};
+
 struct OutputKeys : SectionOf<SceneOutput> {
     OutputKeys();
     const Key& file = path("file", "a path such as \"plume.####.exr\"", "The picture, an EXR; -o replaces it.");
@@ -51,6 +63,9 @@ struct OutputKeys : SectionOf<SceneOutput> {
         choice("type", {"half", "float"}, &SceneOutput::half, "16 or 32 bits per channel. Depth always has 32.", 0);
     const Key& layers;
     const Key& compression;
+    const Key& files = tables(keysOf<FileKeys>(), "files",
+                              "Further EXR files with layers of their own, as [[output.files]] or as the second and "
+                              "later [[output]].");
     const Key& fps = number("fps", Range::aboveTo(0, 1e6, "frames a second"), &SceneOutput::fps,
                             "Frames per second, for the header and for velocities per second.");
     const Key& preview = path("preview", "a path, or a table with 'file', 'display' and 'view'",

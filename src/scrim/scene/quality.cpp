@@ -115,17 +115,15 @@ Dial shutterSamples() {
     return d;
 }
 
-Dial lightCell() {
+// The edge of cells, in voxels, which is chosen where none is said.
+Dial cellEdge(std::string name, std::optional<double> Dials::*member, std::string meaning) {
     Dial d;
     d.words = {"auto"};
-    d.info = {"light_cell", "voxels", "", "'auto', or a number from 0.25 to 64",
-              "edge of the cells that keep the light of extended lights and of lamps within a volume; auto: 0.25 "
-              "to 4 by the optical depth of a voxel and the size of the volumes, 0.7 of more than 1 for area lights, "
-              "half for a light_error below 0.004; error of second order"};
+    d.info = {std::move(name), "voxels", "", "'auto', or a number from 0.25 to 64", std::move(meaning)};
     d.allows = [](double v) { return v >= 0.25 && v <= 64; };
-    d.setNumber = [](Dials& dials, double v) { dials.lightCell = v; };
-    d.setWord = [](Dials& dials, std::size_t) { dials.lightCell.reset(); };
-    d.get = [](const Dials& dials) { return dials.lightCell ? text(*dials.lightCell) : std::string("auto"); };
+    d.setNumber = [=](Dials& dials, double v) { dials.*member = v; };
+    d.setWord = [=](Dials& dials, std::size_t) { (dials.*member).reset(); };
+    d.get = [=](const Dials& dials) { return dials.*member ? text(*(dials.*member)) : std::string("auto"); };
     return d;
 }
 
@@ -133,8 +131,8 @@ Dial scatterDirections() {
     Dial d;
     d.words = {"auto"};
     d.info = {"scatter_directions", "directions", "", "'auto', 64, 128 or 256",
-              "discrete directions of multiple scattering; auto: 64, or 128 where a phase function is narrower than g "
-              "= 0.75, or 256 above 0.85"};
+              "discrete directions of multiple scattering; auto: chosen by the phase functions, for the error that the "
+              "preset promises"};
     d.allows = [](double v) { return v == 64 || v == 128 || v == 256; };
     d.setNumber = [](Dials& dials, double v) { dials.scatterDirections = static_cast<int>(v); };
     d.setWord = [](Dials& dials, std::size_t) { dials.scatterDirections.reset(); };
@@ -176,15 +174,19 @@ std::vector<Dial> makeDials() {
     all.push_back(number("light_error", "relative RMSE", 1e-4, 0.5, &Dials::lightError,
                          "error allowed to the sub-lights of area lights, domes and suns with an angle; sets their "
                          "number if a light gives no samples"));
-    all.push_back(lightCell());
+    all.push_back(cellEdge(
+        "light_cell", &Dials::lightCell,
+        "edge of the cells that keep the light of extended lights and of lamps within a volume; auto: 0.25 "
+        "to 4 by the optical depth of a voxel and the size of the volumes, 0.7 of more than 1 for area lights, "
+        "half for a light_error below 0.004; error of second order"));
     all.push_back(number("lod", "pixels", 0, 64, &Dials::lod,
                          "size below which voxels are splatted from a coarser level of the grid; 0: never"));
     all.push_back(integer(
         "antialias", "rays a pixel's edge", "a whole number from 1 to 16", [](double v) { return v >= 1 && v <= 16; },
         &Dials::antialias, "n x n rays a pixel"));
-    all.push_back(number("scatter_cell", "voxels", 0.25, 64, &Dials::scatterCell,
-                         "edge of the cells for multiple scattering (scattering = 'full'); error of first order, time "
-                         "and memory of third"));
+    all.push_back(cellEdge("scatter_cell", &Dials::scatterCell,
+                           "edge of the cells for multiple scattering (scattering = 'full'); auto: chosen for the "
+                           "error that the preset promises; error of first order, time and memory of third"));
     all.push_back(scatterDirections());
     all.push_back(number("scatter_error", "relative change", 1e-6, 0.1, &Dials::scatterError,
                          "largest change by a further sweep at which multiple scattering counts as converged"));
@@ -226,16 +228,15 @@ struct Preset {
     std::string name;
     double sheetThickness, texel;
     int footprintSteps;
-    double error, classifiedError;
-    double scatterCell;
+    double error, classifiedError, scatteringError;
     double lightError() const { return 0.5 * error; }
 };
 
 const std::vector<Preset>& presets() {
-    static const std::vector<Preset> all{{"draft", 3, 1, 4, 0.03, 0.05, 4},
-                                         {"standard", 1.5, 0.7, 8, 0.01, 0.02, 2},
-                                         {"high", 1, 0.5, 8, 0.003, 0.01, 1.5},
-                                         {"ultra", 0.5, 0.3, 16, 0.001, 0.005, 1}};
+    static const std::vector<Preset> all{{"draft", 3, 1, 4, 0.03, 0.05, 0.05},
+                                         {"standard", 1.5, 0.7, 8, 0.01, 0.02, 0.02},
+                                         {"high", 1, 0.5, 8, 0.003, 0.01, 0.01},
+                                         {"ultra", 0.5, 0.3, 16, 0.001, 0.005, 0.005}};
     return all;
 }
 
@@ -297,7 +298,6 @@ std::optional<Dials> presetDials(const std::string& name) {
             dials.texel = preset.texel;
             dials.footprintSteps = preset.footprintSteps;
             dials.lightError = preset.lightError();
-            dials.scatterCell = preset.scatterCell;
             return dials;
         }
     return std::nullopt;
@@ -306,6 +306,12 @@ std::optional<Dials> presetDials(const std::string& name) {
 double promisedError(const std::string& name, bool classified) {
     for (const Preset& preset : presets())
         if (preset.name == name) return classified ? preset.classifiedError : preset.error;
+    return 0;
+}
+
+double promisedScatteringError(const std::string& name) {
+    for (const Preset& preset : presets())
+        if (preset.name == name) return preset.scatteringError;
     return 0;
 }
 

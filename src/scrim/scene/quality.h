@@ -54,4 +54,8 @@ std::string renderBlock(const Dials& dials);
 /// 0 for an unknown name.
 double promisedError(const std::string& name, bool classified);
 
+/// The same for scenes in which light scatters more than once, of means over kScatteringMean x kScatteringMean pixels.
+double promisedScatteringError(const std::string& name);
+inline constexpr int kScatteringMean = 4;
+
 }  // namespace scrim

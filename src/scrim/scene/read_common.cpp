@@ -2,6 +2,8 @@
 // Readers that several sections of a scene share: paths, directions, names.
 #include <scrim/scene/read_sections.h>
 
+#include <scrim/scene/nearest_name.h>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,19 +17,15 @@
 namespace scrim {
 namespace {
 
-double largest(const Vec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
 /// The unit vector along `v`. It is scaled first, so that squares neither underflow nor overflow.
 Vec3 unit(const Vec3& v) {
-    return glm::normalize(v / largest(v));
+    return glm::normalize(v / largest(glm::abs(v)));
 }
 
 }  // namespace
 
-FramePath ReadContext::path(const TomlValue& value) const {
-    return {folder, expandVariables(value.string(), variables, value.where())};
+FramePath ReadContext::path(const TomlValue& value, const std::string& pattern) const {
+    return {folder, expandVariables(pattern, variables, value.where())};
 }
 
 int ReadContext::fileFrame() const {
@@ -36,15 +34,14 @@ int ReadContext::fileFrame() const {
 
 Vec3 readDirection(const TomlValue& value, double frame) {
     const Vec3 v = value.vec3At(frame);
-    if (largest(v) == 0)
-        value.fail(fmt::format("'{}' is 0, 0, 0 at frame {}; expected a direction", value.name(), frame));
+    if (v == Vec3(0)) value.fail(fmt::format("'{}' is 0, 0, 0 at frame {}; expected a direction", value.name(), frame));
     return unit(v);
 }
 
 Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, const std::string& problem,
                       double frame) {
     const Vec3 v = to - from;
-    if (largest(v) == 0) value.fail(fmt::format("{} at frame {} ({}, {}, {})", problem, frame, from.x, from.y, from.z));
+    if (v == Vec3(0)) value.fail(fmt::format("{} at frame {} ({}, {}, {})", problem, frame, from.x, from.y, from.z));
     return unit(v);
 }
 
@@ -73,6 +70,14 @@ std::string nameIn(const TomlValue& value) {
     const std::string name = value.string();
     const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
     if (std::any_of(name.begin(), name.end(), control)) value.failExpecting("a name without control characters");
+    return name;
+}
+
+std::string nameAmong(const TomlValue& value, const Key& key, const std::vector<std::string>& names) {
+    std::string name = value.string();
+    if (std::find(names.begin(), names.end(), name) == names.end())
+        value.fail(fmt::format("there is no {} '{}'{}; expected {}", key.name, shortened(name, 60),
+                               didYouMean(name, names), shortened(choices(names))));
     return name;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads what a scene does to the grids of a volume: clip, resample, and expressions in OpenVDB AX.
+// Reads what a scene does to the grids of a volume: grids from several files, clip, resample, and expressions in
+// OpenVDB AX.
 #include <scrim/scene/read_sections.h>
-#include <scrim/volume/grid_edit.h>
+
+#include <scrim/base/letter_case.h>
 
 #include <fmt/format.h>
 
@@ -93,7 +95,59 @@ Bounds readBox(const TomlValue& value) {
     return box;
 }
 
+/// Reads "FILE" or "FILE:GRID".
+CombinedGrid::Part readPart(const TomlValue& value, const ReadContext& context, std::vector<FramePath>& sequences) {
+    const std::string text = value.string();
+    const std::size_t colon = lowerCase(text).ends_with(".vdb") ? std::string::npos : text.rfind(':');
+    const std::string file = text.substr(0, colon);
+    CombinedGrid::Part part{0, colon == std::string::npos ? "" : text.substr(colon + 1), value.where()};
+    if (file.empty() || (colon != std::string::npos && part.grid.empty()))
+        value.failExpecting("\"FILE\" or \"FILE:GRID\"");
+    const FramePath path = context.path(value, file);
+    const auto known = std::find_if(sequences.begin(), sequences.end(),
+                                    [&](const FramePath& other) { return other.pattern == path.pattern; });
+    part.file = static_cast<std::size_t>(known - sequences.begin());
+    if (known == sequences.end()) sequences.push_back(path);
+    if (sequences.size() > kMostGridFiles)
+        value.fail(fmt::format("there are more than {} files; expected fewer", kMostGridFiles));
+    return part;
+}
+
+CombinedGrid readGrid(const TomlValue& value, const ReadContext& context, std::vector<FramePath>& sequences) {
+    CombinedGrid grid{value.name(), CombinedGrid::How::copied, {}};
+    if (value.isString()) {
+        grid.parts.push_back(readPart(value, context, sequences));
+        return grid;
+    }
+    const CombineKeys& c = keysOf<CombineKeys>();
+    const std::string form = R"("FILE:GRID", or { max = [...] }, { add = [...] } or { multiply = [...] })";
+    if (!value.isTable()) value.failExpecting(form);
+    TomlTable table = value.table(fmt::format("'{}' of {}", value.name(), k.grids.name), &c);
+    std::optional<TomlValue> list;
+    for (const auto& [key, how] : {std::pair(&c.max, CombinedGrid::How::max), std::pair(&c.add, CombinedGrid::How::add),
+                                   std::pair(&c.multiply, CombinedGrid::How::multiply)})
+        if (const auto found = table.find(*key)) {
+            list = found;
+            grid.how = how;
+        }
+    table.finish();
+    if (!list) value.failExpecting(form);
+    for (const TomlValue& item : list->items(0)) grid.parts.push_back(readPart(item, context, sequences));
+    if (grid.parts.size() < 2) list->failExpecting(c.max.form);
+    return grid;
+}
+
 }  // namespace
+
+std::vector<CombinedGrid> readGrids(const TomlValue& value, const ReadContext& context,
+                                    std::vector<FramePath>& sequences) {
+    std::vector<CombinedGrid> grids;
+    if (!value.isTable()) value.failExpecting(k.grids.form);
+    for (const TomlValue& grid : value.table(fmt::format("{}", k.grids), nullptr).all())
+        grids.push_back(readGrid(grid, context, sequences));
+    if (grids.empty()) value.failExpecting("at least one grid");
+    return grids;
+}
 
 std::vector<HalfSpace> readClip(TomlTable& table) {
     std::vector<HalfSpace> faces;
@@ -122,7 +176,7 @@ std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& contex
 }
 
 std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& context, const SceneVolume& volume) {
-    GridEdit edit;
+    GridEdit edit = volume.edit ? *volume.edit : GridEdit();
     const auto at = [&](const std::string& where) {
         if (edit.where.empty()) edit.where = where;
     };
@@ -140,7 +194,7 @@ std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& co
         edit.variables = readVariables(table, context, *code, volume);
         edit.programs.push_back(std::move(*code));
     }
-    if (!edit.clip && edit.resample == 1 && edit.programs.empty()) return nullptr;
+    if (edit.grids.empty() && !edit.clip && edit.resample == 1 && edit.programs.empty()) return nullptr;
     edit.density = volume.densityGrid;
     return std::make_shared<const GridEdit>(std::move(edit));
 }

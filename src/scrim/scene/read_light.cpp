@@ -139,6 +139,15 @@ void readFacing(TomlTable& table, const std::optional<TomlValue>& orbit, const s
                                         : readAxis(table, light, context);
 }
 
+/// Reads the photometric file of the luminaire around a point or a spot.
+void readLuminaire(TomlTable& table, const ReadContext& context, Light& light) {
+    const auto file = table.find(k.ies);
+    if (!file) return;
+    light.luminaire = Luminaire{context.path(*file).at(context.fileFrame()), file->where()};
+    if (const auto up = table.find(k.up)) light.wsUp = readDirection(*up, context.frame);
+    light.wsDirection = Vec3(0, -1, 0);  // hanging upright
+}
+
 /// Reads a point, spot or projector.
 void readNear(TomlTable& table, Type type, bool hasSlide, const ReadContext& context, Light& light) {
     const auto orbit = table.find(k.orbit);
@@ -146,7 +155,9 @@ void readNear(TomlTable& table, Type type, bool hasSlide, const ReadContext& con
     Light::Spot spot;
     spot.radius = table.numberAt(context.frame, k.radius);
     spot.decay = table.choice(k.decay) == 0;
-    if (type == Type::spot || hasSlide) readFacing(table, orbit, wsCenter, context, light);
+    if (type != Type::projector) readLuminaire(table, context, light);
+    const bool aimed = light.luminaire && (orbit || table.find(k.direction) || table.find(k.target));
+    if (type == Type::spot || hasSlide || aimed) readFacing(table, orbit, wsCenter, context, light);
     if (type != Type::spot) {
         light.kind = Light::Point(spot);
         return;
@@ -164,19 +175,26 @@ double readLength(TomlTable& table, const Key& key, const ReadContext& context) 
 }
 
 void readArea(TomlTable& table, const std::optional<TomlValue>& slide, const ReadContext& context, Light& light) {
-    const auto orbit = table.find(k.orbit);
-    const std::optional<Vec3> wsCenter = readPlace(table, orbit, context, light);
     Light::Area area;
     table.require(k.shape);
     area.shape = static_cast<AreaShape>(table.choice(k.shape));
     table.describe(fmt::format("{} and shape '{}'", table.description(), k.shape.words[std::size_t(area.shape)]));
+    if (slide && area.shape != AreaShape::rectangle)
+        slide->fail(fmt::format("{} has a {}; only a rectangle can have one", table.description(), k.slide));
+    if (area.shape == AreaShape::mesh) {  // its place is that of the mesh
+        area.mesh = nameAmong(table.require(k.mesh), keysOf<SceneKeys>().mesh, context.meshes);
+        area.normalize = table.boolean(k.normalize);
+        light.kind = area;
+        return;
+    }
+    const auto orbit = table.find(k.orbit);
+    const std::optional<Vec3> wsCenter = readPlace(table, orbit, context, light);
     if (area.shape == AreaShape::rectangle) {
         area.width = readLength(table, k.width, context);
         area.height = readLength(table, k.height, context);
     } else {
         if (area.shape == AreaShape::cylinder) area.width = readLength(table, k.width, context);
         area.radius = readLength(table, k.radius, context);
-        if (slide) slide->fail(fmt::format("{} has a {}; only a rectangle can have one", table.description(), k.slide));
     }
     if (area.shape == AreaShape::rectangle || area.shape == AreaShape::disk)
         area.spread = table.numberAt(context.frame, k.spread);
@@ -240,7 +258,7 @@ Light readLight(TomlTable table, const std::string& defaultName, const ReadConte
         light.slide =
             readSlide(slide->table(fmt::format("{} of {}", k.slide, table.description())), light, type, context);
     light.intensity = readIntensity(table, context);
-    if (light.area() && table.boolean(k.normalize)) light.intensity /= light.area()->area();
+    if (light.area() && !light.area()->normalize && table.boolean(k.normalize)) light.intensity /= light.area()->area();
     if (light.area() || light.dome() || light.distant()) light.samples = readSamples(table);
     light.shadows = table.boolean(k.shadows);
     light.shadow = static_cast<ShadowMethod>(table.choice(k.shadow));

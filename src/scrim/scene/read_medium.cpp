@@ -140,21 +140,34 @@ Emission readBlackbody(const TomlValue& value, const std::string& of, const Read
     table.read(k, context.frame, emission);
     readKelvin(table, k, emission);
     const auto normalize = table.find(k.normalize);
-    const bool normalized = normalize && normalize->boolean();
+    if (normalize && normalize->boolean()) emission.physicalIntensity = 0;
     const auto tint = table.find(k.tint);
     const Rgb factor = tint ? readBounded(*tint, context, kMostTint) : Rgb(1);
     if (const auto mask = table.find(k.mask)) emission.mask = readMask(*mask, table.description());
     table.finish();
-    if (!normalize && context.version < 2)
+    if (!normalize && !table.find(k.physicalIntensity) && context.version < 2)
         context.warnings->push_back(
             fmt::format("{}: {} of the blackbody now defaults to false; before scene_version 2 it was true, which "
                         "makes all temperatures equally bright. Set it, or set {} = {}",
                         value.where(), k.normalize, keysOf<SceneKeys>().sceneVersion.name, kSceneVersion));
-    emission.ramp = located(
-        value, [&] { return Blackbody(context.colour).ramp(emission.kelvinScale, emission.kelvinOffset, normalized); });
+    emission.ramp = located(value, [&] {
+        return Blackbody(context.colour).ramp(emission.kelvinScale, emission.kelvinOffset, emission.physicalIntensity);
+    });
     if (tint)
         for (auto& [kelvin, colour] : emission.ramp) colour *= factor;
     return emission;
+}
+
+/// Reads the colour that white light has after `depth` of a density of 1; returns the extinction of that density.
+Rgb readTransparency(const TomlValue& value, double depth, const ReadContext& context) {
+    const Rgb left = readBounded(value, context, 1);
+    if (!(smallest(left) > 0))
+        value.failExpecting("a colour of which some of each channel is left: above 0, at most 1");
+    const Rgb extinction = glm::log(1.0 / left) / depth;
+    if (!(largest(extinction) <= kMostTint))
+        value.fail(fmt::format("'{}' is reached so soon that extinction is above {:g}; expected a greater {}",
+                               value.name(), kMostTint, keysOf<MediumKeys>().transparencyDepth));
+    return extinction;
 }
 
 }  // namespace
@@ -166,6 +179,11 @@ void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume
     Medium& medium = volume.medium;
     if (const auto albedo = table.find(k.albedo)) readAlbedo(*albedo, of, context, volume);
     if (const auto tint = table.find(k.extinctionTint)) medium.extinctionTint = readBounded(*tint, context, kMostTint);
+    const double depth = table.number(k.transparencyDepth);
+    if (const auto colour = table.find(k.transparency))
+        medium.extinctionTint = readTransparency(*colour, depth, context);
+    else if (const auto alone = table.find(k.transparencyDepth))
+        alone->fail(fmt::format("{} has {} without {}", of, k.transparencyDepth, k.transparency));
     if (const auto phase = table.find(k.phase)) medium.phase = readPhase(inner(*phase), context.frame);
     readScattering(table, k, context, medium);
     if (const auto emission = table.find(k.emission))

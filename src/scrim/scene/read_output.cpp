@@ -26,7 +26,7 @@ std::string readOneOf(const TomlValue& value, const std::vector<std::string>& na
 }
 
 /// Reads a list of layers without repetitions and returns them in the order of Layer.
-std::vector<Layer> readLayers(const TomlValue& value, const SceneOutput& output, const ColourConfig& colour) {
+std::vector<Layer> readLayers(const TomlValue& value, const OutputFile& output, const ColourConfig& colour) {
     const std::vector<std::string>& names = layerNames();
     std::vector<Layer> layers;
     for (const TomlValue& item : value.items(0)) {
@@ -46,6 +46,40 @@ std::vector<Layer> readLayers(const TomlValue& value, const SceneOutput& output,
             fmt::format("'cryptomatte' needs exact numbers, which {} = \"dwaa\" does not keep; expected another {}",
                         keysOf<OutputKeys>().compression.name, keysOf<OutputKeys>().compression));
     return layers;
+}
+
+void requireExr(const Key& key, const TomlValue& path, const ReadContext& context) {
+    if (!equalIgnoringCase(std::filesystem::path(context.path(path).pattern).extension().string(), ".exr"))
+        path.fail(fmt::format("{} is '{}'; expected a name that ends in '.exr'", key, path.string()));
+}
+
+/// The keys that [output] and its further files share, but for `type`. `file` has the defaults.
+template <typename Keys>
+void readFile(TomlTable& table, const Keys& k, const ReadContext& context, OutputFile& file) {
+    if (const auto path = table.find(k.file)) {
+        file.path = context.path(*path);
+        file.file = file.path.at(context.fileFrame());
+    }
+    if (const auto space = table.find(k.colorspace))
+        file.colorspace = located(*space, [&] { return context.colour.resolve(space->string()); });
+    if (const auto compression = table.find(k.compression))
+        file.compression = k.compression.words[compression->choice(k.compression.words)];
+    if (const auto layers = table.find(k.layers)) file.layers = readLayers(*layers, file, context.colour);
+}
+
+OutputFile readFurtherFile(TomlTable table, const ReadContext& context, const OutputFile& main) {
+    const FileKeys& k = keysOf<FileKeys>();
+    OutputFile file = main;
+    file.layers.clear();
+    requireExr(k.file, table.require(k.file), context);
+    file.picture = table.boolean(k.picture);
+    if (const auto type = table.find(k.type)) file.half = type->choice(k.type.words) == 0;
+    readFile(table, k, context, file);
+    if (file.layers.empty() && !file.picture)
+        table.fail(
+            fmt::format("{} would hold nothing; expected {}, or {} = true", table.description(), k.layers, k.picture));
+    table.finish();
+    return file;
 }
 
 ScenePreview readPreview(const TomlValue& value, const ReadContext& context) {
@@ -76,8 +110,7 @@ void readDeep(TomlTable& table, const ReadContext& context, SceneOutput& output)
     if (!path) return;
     output.deep.path = context.path(*path);
     output.deep.file = output.deep.path.at(context.fileFrame());
-    if (!equalIgnoringCase(std::filesystem::path(output.deep.path.pattern).extension().string(), ".exr"))
-        path->fail(fmt::format("{} is '{}'; expected a name that ends in '.exr'", k.deep, path->string()));
+    requireExr(k.deep, *path, context);
 }
 
 SceneHoldout readHoldout(TomlTable table, const ReadContext& context) {
@@ -94,6 +127,14 @@ SceneHoldout readHoldout(TomlTable table, const ReadContext& context) {
 
 }  // namespace
 
+std::vector<Layer> SceneOutput::allLayers() const {
+    std::vector<Layer> all = layers;
+    for (const OutputFile& more : files) all.insert(all.end(), more.layers.begin(), more.layers.end());
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+}
+
 SceneOutput defaultOutput(const ReadContext& context) {
     SceneOutput output;
     output.colorspace = context.colour.workingSpace();
@@ -104,14 +145,8 @@ SceneOutput readOutput(TomlTable table, const ReadContext& context) {
     const OutputKeys& k = keysOf<OutputKeys>();
     SceneOutput output = defaultOutput(context);
     table.read(k, context.frame, output);
-    if (const auto file = table.find(k.file)) {
-        output.path = context.path(*file);
-        output.file = output.path.at(context.fileFrame());
-    }
-    if (const auto space = table.find(k.colorspace))
-        output.colorspace = located(*space, [&] { return context.colour.resolve(space->string()); });
-    output.compression = k.compression.words[table.choice(k.compression)];
-    if (const auto layers = table.find(k.layers)) output.layers = readLayers(*layers, output, context.colour);
+    readFile(table, k, context, output);
+    for (const TomlTable& file : table.tables(k.files)) output.files.push_back(readFurtherFile(file, context, output));
     if (const auto preview = table.find(k.preview)) output.preview = readPreview(*preview, context);
     readDeep(table, context, output);
     if (const auto holdout = table.find(k.holdout))

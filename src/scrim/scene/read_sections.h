@@ -7,6 +7,7 @@
 #include <scrim/scene/scene.h>
 #include <scrim/scene/scene_keys.h>
 #include <scrim/scene/toml_reader.h>
+#include <scrim/volume/grid_edit.h>
 
 #include <fmt/format.h>
 
@@ -24,6 +25,7 @@ struct ReadContext {
     const ColourConfig& colour;
     std::string folder;                    ///< the scene's folder
     VariableLookup variables;              ///< [variables], then the environment
+    std::vector<std::string> meshes = {};  ///< names of all [[mesh]] tables
     std::vector<std::string> lights = {};  ///< names of all [[light]] tables
     bool gridsFromCode = false;            ///< volumes may name neither a file nor a source
     double fps = 24;                       ///< frames per second
@@ -31,7 +33,9 @@ struct ReadContext {
     std::shared_ptr<std::vector<std::string>> warnings = std::make_shared<std::vector<std::string>>();
 
     /// The path pattern in `value` with its variables expanded; relative to the scene's folder.
-    FramePath path(const TomlValue& value) const;
+    FramePath path(const TomlValue& value) const { return path(value, value.string()); }
+    /// The same of `pattern`, a part of the text of `value`.
+    FramePath path(const TomlValue& value, const std::string& pattern) const;
     /// The frame as files are numbered: `wholeFrame` rounded to the nearest whole number.
     int fileFrame() const;
 };
@@ -50,8 +54,11 @@ void readCamera(TomlTable table, const ReadContext& context, Scene& scene);
 SceneVolume readVolume(TomlTable table, const std::string& defaultName, const ReadContext& context);
 /// Reads the faces at which a volume ends: those of its clip and clip_plane.
 std::vector<HalfSpace> readClip(TomlTable& table);
-/// Reads what is done to the grids of `volume`, of which density and motion are known: clip, resample, ax. Null where
-/// nothing is.
+/// Reads how the grids of a volume are put together from files, whose patterns become `sequences`.
+std::vector<CombinedGrid> readGrids(const TomlValue& value, const ReadContext& context,
+                                    std::vector<FramePath>& sequences);
+/// Reads what else is done to the grids of `volume`, of which density and motion are known: clip, resample, ax. Null
+/// where nothing is.
 std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& context, const SceneVolume& volume);
 /// The names of the external variables of the volume's expression, which are not parameters of its source.
 std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& context);
@@ -107,6 +114,8 @@ Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, 
 Rgb readBounded(const TomlValue& value, const ReadContext& context, double most);
 /// A text without control characters.
 std::string nameIn(const TomlValue& value);
+/// The name of one of `names`, which are those of the tables of `key`.
+std::string nameAmong(const TomlValue& value, const Key& key, const std::vector<std::string>& names);
 /// Reads the name and describes the table in messages by it: "[[light]] 'key'". Returns the name.
 std::string readName(TomlTable& table, const Key& key, const std::string& defaultName);
 

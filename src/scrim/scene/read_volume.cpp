@@ -2,13 +2,13 @@
 #include <scrim/scene/read_sections.h>
 
 #include <scrim/base/error.h>
-#include <scrim/scene/nearest_name.h>
 #include <scrim/scene/read_ramp.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace scrim {
 namespace {
@@ -84,14 +84,11 @@ Velocity readVelocity(TomlTable table, const ReadContext& context) {
     return velocity;
 }
 
-/// Reads the names of the lights that light the volume.
+/// Reads a list of names of lights.
 std::vector<std::string> readLightNames(const TomlValue& value, const ReadContext& context) {
     std::vector<std::string> names;
     for (const TomlValue& item : value.items(0)) {
-        const std::string name = item.string();
-        if (std::find(context.lights.begin(), context.lights.end(), name) == context.lights.end())
-            item.fail(fmt::format("there is no light '{}'{}; expected {}", shortened(name, 60),
-                                  didYouMean(name, context.lights), shortened(choices(context.lights))));
+        const std::string name = nameAmong(item, keysOf<SceneKeys>().light, context.lights);
         if (std::find(names.begin(), names.end(), name) != names.end())
             item.fail(fmt::format("'{}' is named twice; expected each light once", shortened(name, 60)));
         names.push_back(name);
@@ -104,12 +101,12 @@ TomlTable inner(const TomlValue& value, const TomlTable& table) {
     return value.table(fmt::format("'{}' of {}", value.name(), table.description()));
 }
 
-/// Reads what the volume is made of: a file, or a source with its parameters.
+/// Reads what the volume is made of: a file, grids of several, or a source with its parameters.
 void readAsset(TomlTable& table, const ReadContext& context, SceneVolume& volume) {
-    const auto file = table.find(k.file), source = table.find(k.source);
-    if (!file && !source && !context.gridsFromCode) table.require(k.file);
+    const auto file = table.find(k.file), grids = table.find(k.grids), source = table.find(k.source);
+    if (!file && !grids && !source && !context.gridsFromCode) table.require(k.file);
     volume.frame = context.fileFrame();
-    if (!file && !source) {
+    if (!file && !grids && !source) {
         table.describe(table.description() + " with grids of its own");
         volume.where = table.where();
         return;
@@ -122,10 +119,19 @@ void readAsset(TomlTable& table, const ReadContext& context, SceneVolume& volume
             volume.parameters = readParameters(inner(*parameters, table), context, variablesOf(table, context));
         return;
     }
-    table.describe(table.description() + " with a file");
-    volume.where = file->where();
-    volume.sequence = context.path(*file);
+    table.describe(table.description() + (file ? " with a file" : " with grids of files"));
+    volume.where = (file ? file : grids)->where();
     if (const auto frame = table.find(k.frame)) readFrame(inner(*frame, table), context, volume);
+    if (file) {
+        volume.sequence = context.path(*file);
+    } else {
+        GridEdit edit;
+        edit.where = volume.where;
+        edit.grids = readGrids(*grids, context, volume.sequences);
+        for (const FramePath& path : volume.sequences) edit.files.push_back(path.at(volume.frame));
+        volume.sequence = volume.sequences.front();
+        volume.edit = std::make_shared<const GridEdit>(std::move(edit));
+    }
     volume.file = volume.sequence.at(volume.frame);
 }
 
@@ -150,6 +156,12 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
         volume.velocity = readVelocity(of(*velocity, fmt::format("{}", k.velocity)), context);
     volume.edit = readEdit(table, context, volume);
     if (const auto lights = table.find(k.lights)) volume.lights = readLightNames(*lights, context);
+    if (const auto shadows = table.find(k.shadows)) {
+        if (!shadows->isBoolean())
+            volume.shadows = readLightNames(*shadows, context);
+        else if (!shadows->boolean())
+            volume.shadows.emplace();
+    }
     if (const auto classified = table.find(k.classified))
         volume.classified = std::make_shared<const Classified>(
             readClassified(of(*classified, keysOf<ClassifiedKeys>().title()), context));

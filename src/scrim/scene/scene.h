@@ -30,7 +30,20 @@ struct DepthPicture;
 struct GridEdit;
 
 /// Pictures that can be written beside the beauty.
-enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow, volume, motion, cryptomatte };
+enum class Layer {
+    light,
+    direct,
+    indirect,
+    ambient,
+    emission,
+    albedo,
+    depth,
+    transmittance,
+    shadow,
+    volume,
+    motion,
+    cryptomatte
+};
 
 /// What a volume shows at frames before the first or after the last file of its sequence.
 enum class OutsidePolicy {
@@ -142,6 +155,7 @@ struct Emission {
     double scale = 1;                          ///< factor on the ramp's values
     bool blackbody = false;                    ///< the scene said `blackbody`; only messages depend on it
     double kelvinScale = 1, kelvinOffset = 0;  ///< blackbodies: kelvin = grid value * scale + offset
+    double physicalIntensity = 1;              ///< blackbodies: how much brightness depends on temperature, 0 to 1
     std::optional<Mask> mask = {};             ///< a factor on what is emitted
     std::string where;                         ///< where the scene names the grid
 };
@@ -155,8 +169,10 @@ enum class GridInterpolation {
 
 struct SceneVolume {
     std::string name;
-    FramePath sequence;      ///< file volumes: the path pattern, before the frame number is put in
-    std::string file;        ///< file volumes: the path at this frame; empty for a source
+    FramePath sequence;  ///< file volumes: the path pattern, before the frame number is put in
+    std::string file;    ///< file volumes: the path at this frame; empty for a source
+    /// Volumes with `grids`: the patterns of all files, of which `sequence` is the first (GridEdit::files); else empty.
+    std::vector<FramePath> sequences = {};
     int frame = 0;           ///< the file number that was put into `file`
     FrameMap frameMap = {};  ///< how `frame` follows from the scene's frame
     OutsidePolicy outside = OutsidePolicy::error;
@@ -170,18 +186,19 @@ struct SceneVolume {
     double densityScale = 1;                         ///< extinction per world unit = ramp(grid value) * densityScale
     /// Maps grid values (ascending) to values; constant outside; empty: no ramp.
     std::vector<std::pair<double, double>> ramp;
-    DensityShading shading = {};                     ///< is done to the density before its ramp
-    std::optional<Noise> displacement = {};          ///< displaces all grids, before any other shading
-    Medium medium;                                   ///< its densityScale does not count, but the member above
-    std::optional<ColourGrid> albedoGrid;            ///< replaces medium.albedo
-    std::vector<Emission> emission;                  ///< sources of emission of a medium; they add up
-    std::optional<Velocity> velocity = {};           ///< moves all grids of the volume
-    std::optional<std::vector<std::string>> lights;  ///< names of the lights that light it; none: all do
+    DensityShading shading = {};                           ///< is done to the density before its ramp
+    std::optional<Noise> displacement = {};                ///< displaces all grids, before any other shading
+    Medium medium;                                         ///< its densityScale does not count, but the member above
+    std::optional<ColourGrid> albedoGrid;                  ///< replaces medium.albedo
+    std::vector<Emission> emission;                        ///< sources of emission of a medium; they add up
+    std::optional<Velocity> velocity = {};                 ///< moves all grids of the volume
+    std::optional<std::vector<std::string>> lights;        ///< names of the lights that light it; none: all do
+    std::optional<std::vector<std::string>> shadows = {};  ///< those in which it casts shadows; none: all
     /// Shades the volume in place of `medium`; its densityScale does not count, but the member above.
     std::shared_ptr<const Classified> classified = nullptr;
     GridInterpolation interpolation = GridInterpolation::automatic;
     bool holdout = false;  ///< hides what is behind it and casts shadows, but adds neither colour nor alpha
-    std::string where;     ///< where the scene says `file` or `source`: "scene.toml:12:8"
+    std::string where;     ///< where the scene says `file`, `grids` or `source`: "scene.toml:12:8"
 };
 
 /// A solid made of triangles.
@@ -222,17 +239,26 @@ struct SceneHoldout {
     std::shared_ptr<const DepthPicture> picture = nullptr;  ///< null until it is loaded
 };
 
-struct SceneOutput {
+/// A flat picture file.
+struct OutputFile {
     std::string file;        ///< the path at this frame; empty where the scene names none
     FramePath path;          ///< the path pattern, before the frame number is put in
     std::string colorspace;  ///< the colour config's own name of the space
     bool half = true;        ///< channels are 16-bit, else 32-bit
     std::string compression = "zip";
-    double fps = 24;
     std::vector<Layer> layers;  ///< each at most once, in the order of the enumeration
+    bool picture = true;        ///< it holds the beauty, too
+};
+
+struct SceneOutput : OutputFile {
+    std::vector<OutputFile> files;  ///< further files, which hold other layers
+    double fps = 24;
     ScenePreview preview;
     SceneDeep deep;
     SceneHoldout holdout;
+
+    /// The layers of all files, as in OutputFile.
+    std::vector<Layer> allLayers() const;
 };
 
 /// The range of the picture's normalised device coordinates over its width and height.

@@ -2,6 +2,7 @@
 #include <scrim/scene/scene_files.h>
 
 #include <scrim/guard/load_fields.h>
+#include <scrim/scene/volume_file.h>
 #include <scrim/volume/grid_edit.h>
 
 #include <fmt/format.h>
@@ -25,7 +26,8 @@ void addVolume(const SceneVolume& volume, std::vector<SceneFile>& files) {
         return;
     }
     if (volume.file.empty()) return;  // the volume is made in code
-    files.push_back({volume.file, role});
+    if (volume.sequences.empty()) files.push_back({volume.file, role});
+    for (std::size_t i = 0; i < volume.sequences.size(); ++i) files.push_back({volume.edit->files[i], role});
 }
 
 }  // namespace
@@ -40,15 +42,17 @@ std::vector<SceneFile> filesReadBy(const Scene& scene) {
     for (const Light& light : scene.lights)
         if (light.slide && !light.slide->file.empty())
             files.push_back({light.slide->file, fmt::format("the slide of light '{}'", light.name)});
+    for (const Light& light : scene.lights)
+        if (light.luminaire && !light.luminaire->file.empty())
+            files.push_back({light.luminaire->file, fmt::format("the luminaire of light '{}'", light.name)});
     return files;
 }
 
 std::vector<SceneFile> sequenceFilesOf(const Scene& scene) {
     std::vector<SceneFile> files;
     for (const SceneVolume& volume : scene.volumes)
-        if (volume.source.empty() && !volume.file.empty())
-            for (const int frame : existingFrames(volume.sequence))
-                files.push_back({volume.sequence.at(frame), roleOf(volume)});
+        for (const FramePath& sequence : sequencesOf(volume))
+            for (const int frame : existingFrames(sequence)) files.push_back({sequence.at(frame), roleOf(volume)});
     return files;
 }
 

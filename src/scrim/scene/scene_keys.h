@@ -188,24 +188,26 @@ struct LightKeys : Section {
                              "The emitter: parallel rays (a sun with 'angle'); a point; a point with a cone; a point "
                              "with a slide; a surface; the whole sky.")
                           .required();
-    const Key& direction = vector("direction", "a direction [x, y, z]", {},
-                                  "The direction in which the light travels, the axis of its cone or slide, or the "
-                                  "direction that its surface faces.")
-                               .keyed();
+    const Key& direction =
+        vector("direction", "a direction [x, y, z]", {},
+               "The direction in which the light travels, the axis of its cone, slide or luminaire, or the "
+               "direction that its surface faces.")
+            .keyed();
     const Key& position = vector("position", "a point [x, y, z]", Range::coordinate(),
                                  "The place of the light; for a distant light, the centre of its slide.")
                               .keyed();
-    const Key& target = vector("target", "a point [x, y, z]", Range::coordinate(),
-                               "The point that a cone, slide or surface is aimed at, in place of 'direction'.")
-                            .onlyFor("spot, projector and area")
-                            .keyed();
+    const Key& target =
+        vector("target", "a point [x, y, z]", Range::coordinate(),
+               "The point that a cone, slide, luminaire or surface is aimed at, in place of 'direction'.")
+            .onlyFor("spot, projector, area and point with ies")
+            .keyed();
     const Key& orbit = table(keysOf<OrbitKeys>(), "orbit",
                              "The place of the light, in place of 'position'; for a distant light, where it comes "
                              "from, in place of 'direction'.");
-    const Key& up =
-        vector("up", "a direction [x, y, z]", {}, "The up direction of the slide, the rectangle or the sky.")
-            .unless("[0, 1, 0]")
-            .keyed();
+    const Key& up = vector("up", "a direction [x, y, z]", {},
+                           "The up direction of the slide, the luminaire, the rectangle or the sky.")
+                        .unless("[0, 1, 0]")
+                        .keyed();
     const Key& color = colour("color", "[1, 1, 1]", "The light's colour.").keyed();
     const Key& intensity =
         number("intensity", Range::fromTo(0, 1e30), 1,
@@ -221,12 +223,16 @@ struct LightKeys : Section {
                               "Angular diameter of the sun; its irradiance stays the same. The real sun has 0.53.")
                            .onlyFor("distant")
                            .keyed();
-    const Key& shape = choice("shape", {"rectangle", "disk", "sphere", "cylinder"},
+    const Key& shape = choice("shape", {"rectangle", "disk", "sphere", "cylinder", "mesh"},
                               "Shape of the surface that emits; rectangles and disks emit to one side. A cylinder has "
-                              "no ends and lies across 'up', as a rectangle's width does. Meshes and IES profiles are "
-                              "not supported.")
+                              "no ends and lies across 'up', as a rectangle's width does.")
                            .onlyFor("area")
                            .required();
+    const Key& mesh = text("mesh", "the name of a [[mesh]]",
+                           "Shape 'mesh': what shines, outwards if it is closed, else to "
+                           "the side from which the corners of its triangles are counterclockwise.")
+                          .unless("none")
+                          .onlyFor("area");
     const Key& width =
         number("width", Range::positiveLength(), {}, "Width of a rectangle, or length of a cylinder, across 'up'.")
             .onlyFor("area")
@@ -271,6 +277,12 @@ struct LightKeys : Section {
                               "Fraction of the cone, from its border inwards, over which the light fades.")
                            .onlyFor("spot")
                            .keyed();
+    const Key& ies =
+        path("ies", "a path such as \"lamp.ies\"",
+             "A photometric file (IES LM-63, type C): how the intensity depends on the direction, relative to its "
+             "largest value, which 'intensity' stands for. The luminaire hangs upright, or its vertical angle 0 lies "
+             "along 'direction' or towards 'target', and horizontal angle 0 opposite to 'up', as in Cycles.")
+            .onlyFor("point and spot");
     const Key& slide = table(keysOf<SlideKeys>(), "slide",
                              "A picture that the light shines through; a projector needs one. For a rectangle it is "
                              "the picture on it, as on a screen, and has only 'file' and 'colorspace'.");

@@ -29,8 +29,20 @@ constexpr std::size_t kLargestFile = std::size_t{16} << 20;
 /// The largest frame. It keeps a frame plus an offset within an int.
 constexpr double kLargestFrame = 1e9;
 
+/// Turns a list [[output]] into the table that is its first item, with the others as its further files.
+void joinOutputs(toml::table& root) {
+    const OutputKeys& k = keysOf<OutputKeys>();
+    toml::array* const list = root[keysOf<SceneKeys>().output.name].as_array();
+    if (list == nullptr || list->empty() || !list->is_array_of_tables()) return;
+    toml::table first = std::move(*list->front().as_table());
+    list->erase(list->begin());
+    if (!list->empty() && !first.contains(k.files.name)) first.insert(k.files.name, std::move(*list));
+    root.insert_or_assign(keysOf<SceneKeys>().output.name, std::move(first));
+}
+
 toml::table parsed(const SceneText& text, const std::vector<std::string>& overrides) {
     toml::table root = parseToml(text.text, text.file);
+    joinOutputs(root);
     for (const std::string& assignment : overrides) applyOverride(root, assignment);
     return root;
 }
@@ -144,10 +156,10 @@ bool movesBetween(const toml::node& node, double begin, double end) {
 
 /// Adds the shadow layer where a solid catches shadows, since the shadows are shown in that layer.
 void addShadowLayer(Scene& scene) {
-    std::vector<Layer>& layers = scene.output.layers;
+    const std::vector<Layer> layers = scene.output.allLayers();
     const bool caught = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const auto& m) { return m.catches; });
     if (caught && std::find(layers.begin(), layers.end(), Layer::shadow) == layers.end())
-        layers.push_back(Layer::shadow);
+        scene.output.layers.push_back(Layer::shadow);
 }
 
 }  // namespace
@@ -196,6 +208,9 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     readCamera(*section(k.camera), context, scene);
     const std::string atLeastOne = "at least one [[volume]]";
     root.require(k.volume, atLeastOne);
+    scene.meshes = readNamed<SceneMesh>(
+        root, k.mesh, [&](const TomlTable& table, const std::string& name) { return readMesh(table, name, context); });
+    for (const SceneMesh& mesh : scene.meshes) context.meshes.push_back(mesh.name);
     scene.lights = readNamed<Light>(root, k.light, [&](const TomlTable& table, const std::string& name) {
         return readLight(table, name, context);
     });
@@ -203,8 +218,6 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     scene.volumes = readNamed<SceneVolume>(root, k.volume, [&](const TomlTable& table, const std::string& name) {
         return readVolume(table, name, context);
     });
-    scene.meshes = readNamed<SceneMesh>(
-        root, k.mesh, [&](const TomlTable& table, const std::string& name) { return readMesh(table, name, context); });
     if (scene.volumes.empty()) root.require(k.volume).failExpecting(atLeastOne);
     if (const auto ambient = section(k.ambient)) scene.ambient = readAmbient(*ambient, context);
     scene.dials = *presetDials(scene.quality);

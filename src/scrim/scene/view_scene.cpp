@@ -20,8 +20,10 @@ bool greyExtinction(const ViewScene& scene) {
 }
 
 bool greyScattering(const ViewScene& scene) {
-    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
-               return !scattersFully(v) || (v.scatter.empty() && isGrey(v.medium.albedo));
+    // Beside volumes in which light scatters more than once, others scatter light to them.
+    const bool all = std::any_of(scene.volumes.begin(), scene.volumes.end(), scattersFully);
+    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [&](const ViewVolume& v) {
+               return !all || v.classified || (v.scatter.empty() && isGrey(v.medium.albedo));
            });
 }
 

@@ -73,7 +73,8 @@ struct ViewVolume {
     /// scattering coefficient is then this times medium.densityScale, and medium.albedo does not count.
     std::vector<ViewField> scatter = {};
     std::vector<ViewEmission> emission = {};  ///< sources of emission; they add up
-    std::vector<bool> lights = {};  ///< for each light of the scene: whether it lights this volume; empty: all do
+    std::vector<bool> lights = {};   ///< for each light of the scene: whether it lights this volume; empty: all do
+    std::vector<bool> shadows = {};  ///< likewise: whether the volume casts shadows in it; empty: in all
     std::shared_ptr<const ViewVelocity> velocity = nullptr;  ///< null: the fields are already where they are to be seen
     bool holdout = false;  ///< hides what is behind it and casts shadows, but adds neither colour nor alpha
     std::shared_ptr<const VolumeMotion> motion = nullptr;  ///< null: the volume stands still
@@ -160,7 +161,7 @@ inline ViewField densityOf(const ViewVolume& volume) {
 /// The non-empty fields of a volume, density and emission, each on its own lattice.
 std::vector<ViewField> fieldsOf(const ViewVolume& volume);
 
-/// Whether a light of the scene is among `lights`, which are as in ViewVolume.
+/// Whether a light of the scene is among `lights`, which are as ViewVolume::lights and ViewVolume::shadows.
 inline bool litBy(const std::vector<bool>& lights, std::size_t light) {
     return lights.empty() || lights[light];
 }

@@ -5,6 +5,7 @@
 #include <scrim/scene/scene.h>
 
 #include <string>
+#include <vector>
 
 namespace scrim {
 
@@ -18,10 +19,17 @@ struct VolumeFile {
     FileState state = FileState::present;
     std::string path;
     std::string problem;
+    std::vector<std::string> all = {};  ///< volumes with `grids`: the files to read, of which `path` is the first
 };
 
 /// For a volume with a file. The policies `hold` and `black` count before the first and after the last file of a
-/// sequence; a gap inside the sequence is a lost file, and missing under any policy.
+/// sequence; a gap inside the sequence is a lost file, and missing under any policy. Each file of a volume with `grids`
+/// is looked for like that: the volume is missing where one of them is, and black where one of them is.
 VolumeFile findVolumeFile(const SceneVolume& volume);
+
+/// The patterns of all files that the volume shows at some frame; none for a source.
+std::vector<FramePath> sequencesOf(const SceneVolume& volume);
+/// That of them which says what frames there are: the first with a frame number, else the first.
+const FramePath& leadingSequence(const SceneVolume& volume);
 
 }  // namespace scrim

@@ -168,6 +168,7 @@ struct BlackbodyKeys : SectionOf<Emission> {
               "It lights volumes whose scattering = \"full\". Nothing glows below about 700 K. Caches of Houdini, "
               "Blender and EmberGen hold about 0 to 1 instead of Kelvin; 'kelvin' converts these values.") {
         exclude({&kelvin}, {&scale, &offset});
+        exclude({&normalize}, {&physicalIntensity});
     }
     const Key& grid = text("grid", "the name of a grid", "The grid of temperatures.").required();
     const Key& kelvin =
@@ -185,6 +186,11 @@ struct BlackbodyKeys : SectionOf<Emission> {
     const Key& normalize = boolean("normalize", false,
                                    "Makes all temperatures equally bright, so that only colour changes. If false, "
                                    "radiance is proportional to the fourth power of temperature.");
+    const Key& physicalIntensity =
+        number("physical_intensity", Range::fromTo(0, 1), &Emission::physicalIntensity,
+               "Between both: radiance = intensity * (sigma T^4 / pi)^this, so that 0 is as normalize = true, and 0.5 "
+               "makes it proportional to the square of temperature.")
+            .keyed();
     const Key& tint = colour("tint", "[1, 1, 1]", "Factor on the light in each channel.");
     const Key& mask = table(keysOf<MaskKeys>(), "mask", "A factor from another grid.").unless("none");
 };
@@ -195,11 +201,19 @@ inline constexpr double kMostTint = 1e6, kMostLight = 1e30;
 struct MediumKeys : Section {
     MediumKeys()
         : Section("medium", "[volume.medium]",
-                  "How the volume above it scatters, absorbs and emits light: smoke, clouds, fire.") {}
+                  "How the volume above it scatters, absorbs and emits light: smoke, clouds, fire.") {
+        exclude({&extinctionTint}, {&transparency, &transparencyDepth});
+    }
     const Key& albedo =
         colour("albedo", "[0.9, 0.9, 0.9]", "Scattered fraction of extinction, 0 to 1; or a grid of colours.")
             .orTable(keysOf<AlbedoGridKeys>());
     const Key& extinctionTint = colour("extinction_tint", "[1, 1, 1]", "Factor on extinction in each channel.");
+    const Key& transparency =
+        colour("transparency", "none",
+               "In place of 'extinction_tint': the colour that white light has after 'transparency_depth' of a medium "
+               "whose density times 'scale' is 1; above 0 and at most 1. Extinction is then -ln(transparency) / "
+               "transparency_depth times that density.");
+    const Key& transparencyDepth = number("transparency_depth", Range::positiveLength(), 1, "See 'transparency'.");
     const Key& phase =
         table(keysOf<PhaseKeys>(), "phase", "The distribution of scattered light over directions.").unless("isotropic");
     const Key& scattering =
@@ -282,12 +296,31 @@ struct MeshKeys : SectionOf<SceneMesh> {
                                "scatter fully. The mesh itself is not shown.");
 };
 
+struct CombineKeys : Section {
+    CombineKeys()
+        : Section(
+              "grids", "grids = { NAME = { ... } } of a [[volume]]",
+              "A grid that is computed from several: density = { max = [\"a.vdb\", \"b.vdb:smoke\"] }. Where one of "
+              "them has no voxel, it counts as 0. Grids of other voxels than the first one's are interpolated "
+              "linearly at its voxels.") {
+        exclude({&max}, {&add, &multiply});
+        exclude({&add}, {&multiply});
+    }
+    const Key& max = other("max", kFiles, kStrings, {}, "The largest value; of numbers only.");
+    const Key& add = other("add", kFiles, kStrings, {}, "The sum.");
+    const Key& multiply = other("multiply", kFiles, kStrings, {}, "The product.");
+
+  private:
+    static constexpr const char* kFiles = "a list of at least two \"FILE:GRID\"";
+};
+
 struct VolumeKeys : SectionOf<SceneVolume> {
     VolumeKeys()
         : SectionOf("volume", "[[volume]]",
                     "A volume, of which a scene needs at least one: a .vdb file or sequence, or a source that makes or "
                     "reads something else (`scrim make --list`).") {
-        exclude({&source}, {&file, &frame, &velocity});
+        exclude({&source}, {&file, &grids, &frame, &velocity});
+        exclude({&file}, {&grids});
         exclude({&ax}, {&axFile});
         exclude({&medium}, {&classified});
     }
@@ -296,7 +329,17 @@ struct VolumeKeys : SectionOf<SceneVolume> {
             .unless("\"volume1\", ...");
     const Key& file =
         path("file", "a .vdb file, or 'source', the name of a volume source", "\"smoke.####.vdb\" is a sequence.");
-    const Key& frame = table(keysOf<FrameKeys>(), "frame", "The file of a sequence that is shown.").onlyFor("'file'");
+    const Key& grids =
+        other(
+            "grids", "a table of { NAME = \"FILE:GRID\" }",
+            R"({"type":"object","minProperties":1,"additionalProperties":)"
+            R"({"anyOf":[{"type":"string"},{"$ref":"#/$defs/grids"}]}})",
+            {},
+            "In place of 'file': grids from several .vdb files, or sequences. Without ':GRID', the file's grid of the "
+            "same name, or its only one. The volume has these grids alone.")
+            .orTable(keysOf<CombineKeys>());
+    const Key& frame =
+        table(keysOf<FrameKeys>(), "frame", "The file of a sequence that is shown.").onlyFor("'file' or 'grids'");
     const Key& source = text("source", "the name of a volume source", "\"noise\", \"scan\", ...; in place of 'file'.");
     const Key& parameters =
         other(
@@ -330,10 +373,17 @@ struct VolumeKeys : SectionOf<SceneVolume> {
         table(keysOf<NoiseKeys>(), "displacement", "Displaces all grids of the volume by noise.").unless("none");
     const Key& velocity =
         table(keysOf<VelocityKeys>(), "velocity", "The motion of the volume while the shutter is open.")
-            .onlyFor("'file'");
-    const Key& lights = other("lights", "a list of names of lights", kStrings, {},
-                              "The lights that light it. It casts shadows in all other lights, too.")
-                            .unless("all");
+            .onlyFor("'file' or 'grids'");
+    const Key& lights =
+        other("lights", "a list of names of lights", kStrings, {},
+              "The lights that light it. It casts shadows in all lights, unless 'shadows' says otherwise.")
+            .unless("all");
+    const Key& shadows =
+        other("shadows", "true, false or a list of names of lights",
+              R"({"anyOf":[{"type":"boolean"},{"type":"array","items":{"type":"string"}}]})", {},
+              "The lights in which it casts shadows, on itself and on other volumes. Not beside media with "
+              "scattering = \"full\".")
+            .unless("true");
     const Key& holdout = boolean(
         "holdout", &SceneVolume::holdout,
         "The volume hides and shadows others, but adds neither colour nor alpha, because another picture shows it.");

@@ -37,13 +37,13 @@ std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, doubl
     return field;
 }
 
-// Whether each light of the scene lights the volume; empty: all do.
-std::vector<bool> lightsOf(const Scene& scene, const SceneVolume& volume) {
-    std::vector<bool> lit;
-    if (!volume.lights) return lit;
+// Whether each light of the scene is among those with these names; empty: all are.
+std::vector<bool> lightsNamed(const Scene& scene, const std::optional<std::vector<std::string>>& names) {
+    std::vector<bool> among;
+    if (!names) return among;
     for (const Light& light : scene.lights)
-        lit.push_back(std::find(volume.lights->begin(), volume.lights->end(), light.name) != volume.lights->end());
-    return lit;
+        among.push_back(std::find(names->begin(), names->end(), light.name) != names->end());
+    return among;
 }
 
 // The memory of the fields that were derived from those in `fields`.
@@ -80,7 +80,9 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
     ViewVolume out;
     out.name = volume.name;
     out.kernel = kernelOf(volume.interpolation);
-    out.lights = lightsOf(scene, volume);
+    out.lights = lightsNamed(scene, volume.lights);
+    out.shadows = lightsNamed(scene, volume.shadows);
+    if (std::count(out.shadows.begin(), out.shadows.end(), false) == 0) out.shadows.clear();
     out.holdout = volume.holdout;
     FieldPointer density = fields.density ? fields.density : std::make_shared<SparseField>();
     if (!volume.ramp.empty()) density = withRamp(*density, volume.ramp);
@@ -163,6 +165,18 @@ void cull(const Scene& scene, ViewScene& view) {
     });
 }
 
+// Light that scatters more than once is attenuated by all volumes together.
+void checkShadows(const Scene& scene, const ViewScene& view) {
+    const auto full = std::find_if(view.volumes.begin(), view.volumes.end(), scattersFully);
+    const auto apart = std::find_if(view.volumes.begin(), view.volumes.end(),
+                                    [](const ViewVolume& volume) { return !volume.shadows.empty(); });
+    if (full != view.volumes.end() && apart != view.volumes.end())
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: volume '{}' does not cast shadows in all lights; with scattering "
+                                "= \"full\" in volume '{}' it must",
+                                scene.volumes[std::size_t(apart->place)].where, apart->name, full->name));
+}
+
 ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,
                    std::size_t memoryLimit, VolumesOf volumesOf) {
     ViewScene out;
@@ -181,7 +195,9 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     out.ambient = scene.ambient;
     out.dials = scene.dials;
     if (!out.dials.crossFade && !scene.moves) out.dials.crossFade = 0;
-    out.layers = scene.output.layers;
+    out.layers = scene.output.allLayers();
+    // The direct light is what is left of the picture without the indirect one.
+    if (wants(out, Layer::direct) && !wants(out, Layer::indirect)) out.layers.push_back(Layer::indirect);
     if (wants(out, Layer::volume) && !wants(out, Layer::cryptomatte)) out.layers.push_back(Layer::cryptomatte);
     out.depths = scene.output.holdout.picture;
     if (scene.shutter) out.shutter = ViewShutter{scene.shutter->open, scene.shutter->close};
@@ -196,6 +212,7 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
         volume->place = static_cast<int>(i);
         out.volumes.push_back(std::move(*volume));
     }
+    checkShadows(scene, out);
     if (volumesOf == VolumesOf::picture) cull(scene, out);
     out.memoryLimit = limitBeside(memoryLimit, derivedBytes(out.volumes, fields));
     return out;
@@ -205,7 +222,8 @@ std::vector<std::string> culledVolumes(const Scene& scene,
                                        const std::vector<std::optional<std::vector<Vec3>>>& wsCorners) {
     std::vector<VolumeBox> boxes;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i)
-        boxes.push_back({wsCorners[i], lightsOf(scene, scene.volumes[i])});
+        boxes.push_back(
+            {wsCorners[i], lightsNamed(scene, scene.volumes[i].lights), lightsNamed(scene, scene.volumes[i].shadows)});
     std::vector<std::string> reasons = culledVolumes(scene.camera, pictureOf(scene), scene.lights, boxes);
     // Where light scatters more than once, any volume may light or shadow a volume in view. All are then kept, so that
     // a crop equals a part of the whole picture.

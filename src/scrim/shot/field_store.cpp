@@ -69,11 +69,13 @@ std::size_t chooseGridOf(const std::vector<std::shared_ptr<const SparseField>>& 
                                               parts, choices(names)));
 }
 
-/// What is done to the grids of the volume that all of `uses` belong to; null: nothing.
-template <typename Use>
-const GridEdit* editOf(const std::vector<Use>& uses) {
-    const SceneVolume* const volume = uses.front().volume;
-    return volume == nullptr ? nullptr : volume->edit.get();
+/// What is done to the grids of the volume, with the files that were found; null: nothing.
+std::shared_ptr<const GridEdit> editOf(const SceneVolume& volume, const VolumeFile& file) {
+    if (!volume.edit || volume.edit->files == file.all) return volume.edit;
+    GridEdit edit = *volume.edit;
+    edit.files = file.all;
+    if (edit.files.empty()) edit.grids.clear();  // the volume's grids were set
+    return std::make_shared<const GridEdit>(std::move(edit));
 }
 
 /// Runs `task`. An error about the grid of one of `uses` gets the place where the scene names it.
@@ -128,15 +130,17 @@ FieldStore::Origin FieldStore::originOf(const SceneVolume& volume, const VolumeF
             origin.push_back(value);
         }
     }
-    if (volume.edit) origin.push_back(toText(*volume.edit));
+    if (volume.edit) origin.push_back(toText(*editOf(volume, file)));
     return origin;
 }
 
-std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, bool blurred) {
+std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, const VolumeFile& file, bool blurred) {
     std::vector<Use> uses;
+    const std::shared_ptr<const GridEdit> edit = editOf(volume, file);
     const auto add = [&](const GridRequest& request, const std::string& where) {
         Use& use = uses.emplace_back();
         use.volume = &volume;
+        use.edit = edit;
         use.request = request;
         use.where = where;
     };
@@ -191,7 +195,7 @@ void FieldStore::load(const Origin& origin, const std::vector<Use>& missing) {
     std::vector<GridRequest> requests;
     for (const Use& use : missing) requests.push_back(use.request);
     withPlaces(missing, [&] {
-        std::vector<SparseField> fields = fieldsOf(origin[1], requests, editOf(missing));
+        std::vector<SparseField> fields = fieldsOf(origin[1], requests, missing.front().edit.get());
         for (std::size_t i = 0; i < requests.size(); ++i)
             m_fields[{origin, requests[i]}] = std::make_shared<SparseField>(std::move(fields[i]));
     });
@@ -207,7 +211,7 @@ void FieldStore::makeEdited(const Origin& origin, const std::vector<Use>& missin
         origin[0] == kSet ? fmt::format("volume '{}'", origin[1]) : fmt::format("source '{}'", origin[1]);
     withPlaces(missing, [&] {
         std::vector<SparseField> edited =
-            editedFields(fields, name, requests, *missing.front().volume->edit, m_options, m_messages, m_checkpoint);
+            editedFields(fields, name, requests, *missing.front().edit, m_options, m_messages, m_checkpoint);
         for (std::size_t i = 0; i < requests.size(); ++i)
             m_fields[{origin, requests[i]}] = std::make_shared<SparseField>(std::move(edited[i]));
     });
@@ -251,7 +255,7 @@ std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vec
             continue;
         }
         std::vector<GridRequest> requests;
-        for (const Use& use : usesOf(volume, false)) requests.push_back(use.request);
+        for (const Use& use : usesOf(volume, files[i], false)) requests.push_back(use.request);
         const std::optional<Bounds> bounds = vdbBounds(files[i].path, requests);
         if (!bounds || bounds->empty()) continue;  // empty fields are reported after they have been read
         corners[i].emplace();
@@ -277,7 +281,7 @@ FieldStore::Uses FieldStore::usesOf(const Scene& scene, const std::vector<Volume
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         if (!shown[i]) continue;
         const Origin origin = originOf(scene.volumes[i], files[i]);
-        for (Use& use : usesOf(scene.volumes[i], blurred))
+        for (Use& use : usesOf(scene.volumes[i], files[i], blurred))
             if (used.insert({origin, use.request}).second) uses[origin].push_back(std::move(use));
     }
     return uses;
@@ -298,7 +302,7 @@ void FieldStore::readAhead(const Scene& scene, const std::vector<VolumeFile>& fi
         if (origin[0] != kFile) continue;
         std::vector<GridRequest> requests;
         for (const Use& use : missing) requests.push_back(use.request);
-        m_ahead.emplace_back(origin[1], requests, m_options, editOf(missing));
+        m_ahead.emplace_back(origin[1], requests, m_options, missing.front().edit.get());
     }
 }
 
@@ -353,7 +357,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
 
 std::shared_ptr<const SparseField> FieldStore::fieldOf(const std::string& path, const GridRequest& request) {
     const Origin origin{kFile, path};
-    if (!m_fields.contains({origin, request})) load(origin, {{nullptr, request, ""}});
+    if (!m_fields.contains({origin, request})) load(origin, {{nullptr, nullptr, request, ""}});
     return m_fields.at({origin, request});
 }
 
@@ -363,7 +367,7 @@ std::shared_ptr<const SparseField> FieldStore::sourceField(const std::string& so
     volume.source = source;
     volume.parameters = parameters;
     const Origin origin = originOf(volume, {});
-    if (!m_fields.contains({origin, {}})) make(origin, std::vector<Use>(1, Use{&volume, GridRequest{}, ""}));
+    if (!m_fields.contains({origin, {}})) make(origin, std::vector<Use>(1, Use{&volume, nullptr, GridRequest{}, ""}));
     return m_fields.at({origin, {}});
 }
 

@@ -64,6 +64,7 @@ class FieldStore {
     using Key = std::pair<Origin, GridRequest>;
     struct Use {
         const SceneVolume* volume = nullptr;
+        std::shared_ptr<const GridEdit> edit = nullptr;  ///< what is done to the volume's grids; null: nothing
         GridRequest request;
         std::string where;  ///< where the scene names the grid; "": messages do not mention it
     };
@@ -72,7 +73,7 @@ class FieldStore {
 
     bool isFile(const SceneVolume& volume) const;
     Origin originOf(const SceneVolume& volume, const VolumeFile& file) const;
-    static std::vector<Use> usesOf(const SceneVolume& volume, bool blurred);
+    static std::vector<Use> usesOf(const SceneVolume& volume, const VolumeFile& file, bool blurred);
     std::vector<std::string> culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const;
     /// The requests for each origin, which are read in one go; each request once.
     using Uses = std::map<Origin, std::vector<Use>>;

@@ -23,7 +23,11 @@
 namespace scrim {
 namespace {
 
-ExrAttributes attributesOf(const ShotFrame::Content& content) {
+bool holds(const std::vector<Layer>& layers, Layer layer) {
+    return std::find(layers.begin(), layers.end(), layer) != layers.end();
+}
+
+ExrAttributes attributesOf(const ShotFrame::Content& content, bool mattes) {
     const Scene& scene = content.scene;
     const ShotReport& report = content.report;
     ExrAttributes attributes{
@@ -43,7 +47,7 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
     if (const PixelWindow whole = pictureOf(scene), &part = content.image.window; part != whole)
         attributes.emplace_back("scrim:crop", fmt::format("{},{},{},{} of {},{},{},{}", part.x0, part.y0, part.x1,
                                                           part.y1, whole.x0, whole.y0, whole.x1, whole.y1));
-    if (std::find(content.kinds.begin(), content.kinds.end(), Layer::cryptomatte) != content.kinds.end()) {
+    if (mattes) {
         std::vector<std::string> names;
         for (const SceneVolume& volume : scene.volumes) names.push_back(volume.name);
         for (const auto& [name, text] : cryptomatteAttributes(names)) attributes.emplace_back(name, text);
@@ -123,12 +127,12 @@ bool isShare(Layer layer) {
 }
 
 /// Depth, motion and mattes are not colours, either.
-ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
+ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i, const std::string& space) {
     const ShotLayer& layer = content.layers[i];
     if (content.kinds[i] == Layer::depth || content.kinds[i] == Layer::motion || content.kinds[i] == Layer::cryptomatte)
         return {layer.channels, layer.data, true};
     if (isShare(content.kinds[i])) return {layer.channels, layer.data};
-    return {layer.channels, converted(layer, content.image.window, content.colour, content.scene.output.colorspace)};
+    return {layer.channels, converted(layer, content.image.window, content.colour, space)};
 }
 
 [[noreturn]] void refuseValue(int frame, float value, const std::string& channel, int x, int y) {
@@ -168,11 +172,11 @@ PixelWindow displayWindowOf(const Scene& scene) {
 }
 
 // The header options that flat and deep pictures share.
-ExrOptions headerOptions(const ShotFrame::Content& content) {
+ExrOptions headerOptions(const ShotFrame::Content& content, const std::string& space) {
     ExrOptions options;
     options.displayWindow = displayWindowOf(content.scene);
     options.pixelAspect = content.scene.camera.pixelAspect;
-    options.colorInteropId = content.colour.interopId(content.scene.output.colorspace);
+    options.colorInteropId = content.colour.interopId(space);
     return options;
 }
 
@@ -194,6 +198,9 @@ void convertDeep(DeepImage& deep, const ColourConfig& colour, const std::string&
 }  // namespace
 
 void takeFrame(ShotFrame::Content& content, Frame frame) {
+    const std::vector<Layer> wanted = content.scene.output.allLayers();
+    if (!holds(wanted, Layer::indirect))
+        std::erase_if(frame.layers, [](const FrameLayer& layer) { return layer.layer == Layer::indirect; });
     content.image = std::move(frame.image);
     content.deep = std::move(frame.deep);
     const auto first = std::stable_partition(frame.layers.begin(), frame.layers.end(),
@@ -207,9 +214,7 @@ void takeFrame(ShotFrame::Content& content, Frame frame) {
         for (const FrameLayer& opacity : opacities)
             if (opacity.volume == volume) addAlpha(content.layers.back(), opacity.data);
     }
-    const std::vector<Layer>& wanted = content.scene.output.layers;
-    if (std::find(wanted.begin(), wanted.end(), Layer::cryptomatte) != wanted.end())
-        addMattes(content, std::move(opacities));
+    if (holds(wanted, Layer::cryptomatte)) addMattes(content, std::move(opacities));
     // Values are checked here, and once more wherever they are converted, so that no file, preview or array holds
     // anything but finite numbers.
     const int number = content.report.frame;
@@ -218,39 +223,43 @@ void takeFrame(ShotFrame::Content& content, Frame frame) {
     if (content.deep) checkFinite(number, *content.deep);
 }
 
-std::size_t writeFrame(const ShotFrame::Content& content, const std::string& path) {
-    const SceneOutput& output = content.scene.output;
+std::size_t writeFrame(const ShotFrame::Content& content, const OutputFile& output, const std::string& path) {
     const ColourConfig& colour = content.colour;
-    ExrOptions options = headerOptions(content);
+    ExrOptions options = headerOptions(content, output.colorspace);
+    options.picture = output.picture;
     options.half = output.half;
     options.compression = output.compression;
-    options.acesContainer = output.half && content.layers.empty() && colour.isAces2065(output.colorspace);
+    options.acesContainer =
+        output.picture && output.half && output.layers.empty() && colour.isAces2065(output.colorspace);
     const bool converts = output.colorspace != colour.workingSpace();
     std::vector<ExrLayer> layers;
     for (std::size_t i = 0; i < content.layers.size(); ++i) {
-        layers.push_back(exrLayer(content, i));
+        if (!holds(output.layers, content.kinds[i])) continue;
+        layers.push_back(exrLayer(content, i, output.colorspace));
         if (converts)
             checkFinite(content.report.frame, content.image.window, layers.back().channels, layers.back().data);
         // Where nothing is in the way the value is 1, but readers take pixels outside of the data window for 0.
         // Therefore the whole window is written.
         options.wholeWindow = options.wholeWindow || isShare(content.kinds[i]);
     }
+    const ExrAttributes attributes = attributesOf(content, holds(output.layers, Layer::cryptomatte));
+    if (!output.picture) return writeExr(path, content.image, options, attributes, layers);
     Image image = content.image;
     colour.convert(image, colour.workingSpace(), output.colorspace);
     if (converts) checkFinite(content.report.frame, image.window, kRgba, image.rgba);
-    return writeExr(path, image, options, attributesOf(content), layers);
+    return writeExr(path, image, options, attributes, layers);
 }
 
 std::size_t writeFrameDeep(const ShotFrame::Content& content, const std::string& path) {
     const SceneOutput& output = content.scene.output;
-    ExrOptions options = headerOptions(content);
+    ExrOptions options = headerOptions(content, output.colorspace);
     options.half = output.deep.half;
     if (output.colorspace == content.colour.workingSpace())
-        return writeDeepExr(path, *content.deep, options, attributesOf(content));
+        return writeDeepExr(path, *content.deep, options, attributesOf(content, false));
     DeepImage deep = *content.deep;
     convertDeep(deep, content.colour, output.colorspace);
     checkFinite(content.report.frame, deep);
-    return writeDeepExr(path, deep, options, attributesOf(content));
+    return writeDeepExr(path, deep, options, attributesOf(content, false));
 }
 
 void writeFramePreview(const ShotFrame::Content& content, const std::string& path) {

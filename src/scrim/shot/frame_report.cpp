@@ -55,7 +55,11 @@ Json verificationJson(const VerificationReport& v) {
             {"mean", v.mean},
             {"bias", v.bias},
             {"worst", v.worst},
-            {"worst_pixel", {v.worstX, v.worstY}}};
+            {"worst_pixel", {v.worstX, v.worstY}},
+            {"pixel_edge", v.edge},
+            {"caught_values", v.caughtValues},
+            {"caught_error", v.caughtError},
+            {"caught_worst", v.caughtWorst}};
 }
 
 Json secondsJson(const ShotTimes& s) {
@@ -75,13 +79,23 @@ void eraseThreads(Json& json) {
         for (Json& value : json) eraseThreads(value);
 }
 
+// Of layers of caught shadows.
+std::string caughtText(const VerificationReport& v) {
+    if (v.caughtValues == 0) return "";
+    return fmt::format("; caught shadows differ by {:.4f}, at most {:.4f}, in {} values", v.caughtError, v.caughtWorst,
+                       v.caughtValues);
+}
+
 std::string verificationText(const VerificationReport& v) {
-    if (v.pixels == 0) return fmt::format("; nothing to verify: all {} pixels that were examined are empty", v.looked);
-    if (v.complete)
-        return fmt::format("; error {:.2f} %, of alpha {:.2f} %, at all {} pixels that are not empty", 100 * v.error,
-                           100 * v.alphaError, v.pixels);
-    return fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}), of alpha {:.2f} %, at {} pixels", 100 * v.error,
-                       100 * v.lower, 100 * v.upper, 100 * v.alphaError, v.pixels);
+    const std::string pixels = v.edge > 1 ? fmt::format("means over {0} x {0} pixels", v.edge) : "pixels";
+    if (v.pixels == 0)
+        return fmt::format("; nothing to verify: all {} {} that were examined are empty", v.looked, pixels);
+    // Of a noisy reference the error is not known exactly, even where nothing was left out.
+    if (v.complete && v.lower == v.upper)
+        return fmt::format("; error {:.2f} %, of alpha {:.2f} %, at all {} {} that are not empty", 100 * v.error,
+                           100 * v.alphaError, v.pixels, pixels);
+    return fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}), of alpha {:.2f} %, at {}{} {}", 100 * v.error,
+                       100 * v.lower, 100 * v.upper, 100 * v.alphaError, v.complete ? "all " : "", v.pixels, pixels);
 }
 
 /// What the picture was promised to be, and with which dials it is.
@@ -114,6 +128,7 @@ VerificationReport reportOf(const Verification& v, const PixelSample& sample) {
     report.worst = v.worst;
     report.worstX = v.worstX;
     report.worstY = v.worstY;
+    if (!sample.pixels.empty()) report.edge = sample.pixels.front().edge;
     for (const VerifiedPixel& p : countedPixels(sample)) report.examined.push_back({p.x, p.y, p.rendered, p.reference});
     return report;
 }
@@ -125,7 +140,7 @@ std::string workAsJson(const RenderWork& work) {
 std::string summaryOf(const ShotReport& r) {
     const ShotTimes& s = r.seconds;
     return fmt::format("{:.2f} s (load {:.2f}, render {:.2f}, write {:.2f}){}{}", s.total(), s.load, s.plan + s.render,
-                       s.write, r.verification ? verificationText(*r.verification) : "",
+                       s.write, r.verification ? verificationText(*r.verification) + caughtText(*r.verification) : "",
                        r.tolerance ? toleranceText(*r.tolerance) : "");
 }
 

@@ -67,7 +67,7 @@ void checkVolumes(const Scene& scene, const FieldStore& store) {
 
 /// Throws where a layer has one picture for each name and two of these would share a channel name.
 void checkChannels(const Scene& scene, Layer layer, const std::vector<std::string>& all) {
-    const std::vector<Layer>& layers = scene.output.layers;
+    const std::vector<Layer> layers = scene.output.allLayers();
     if (std::find(layers.begin(), layers.end(), layer) == layers.end()) return;
     std::map<std::string, std::string> names;
     for (const std::string& name : all) {
@@ -138,12 +138,16 @@ Scene LoadedShot::sceneAt(double t) const {
     Scene at = textAt(t);
     at.dials = scene.dials;
     if (scene.plate) at.camera = scene.camera;
-    for (std::size_t i = 0; i < at.lights.size(); ++i)
-        if (at.lights[i].slide && scene.lights[i].slide) {
-            at.lights[i].slide->image = scene.lights[i].slide->image;
-            at.lights[i].slide->parts = scene.lights[i].slide->parts;
+    for (std::size_t i = 0; i < at.lights.size(); ++i) {
+        Light& light = at.lights[i];
+        if (light.slide && scene.lights[i].slide) {
+            light.slide->image = scene.lights[i].slide->image;
+            light.slide->parts = scene.lights[i].slide->parts;
         }
+        if (light.luminaire && scene.lights[i].luminaire) light.luminaire->profile = scene.lights[i].luminaire->profile;
+    }
     for (std::size_t i = 0; i < at.meshes.size(); ++i) at.meshes[i].mesh = scene.meshes[i].mesh;
+    shineFromMeshes(at);
     at.output.holdout = scene.output.holdout;
     return at;
 }

@@ -30,6 +30,7 @@ void MeshStore::loadInto(Scene& scene, const LoadOptions& load, const Checkpoint
         mesh.mesh = known;
     }
     m_meshes = std::move(kept);
+    shineFromMeshes(scene);
 }
 
 std::size_t MeshStore::bytes() const {
@@ -37,6 +38,13 @@ std::size_t MeshStore::bytes() const {
     std::size_t sum = 0;
     for (const auto& [file, mesh] : m_meshes) sum += (1 + kForRays) * mesh->bytes();
     return sum;
+}
+
+void shineFromMeshes(Scene& scene) {
+    for (Light& light : scene.lights)
+        if (const Light::Area* area = light.area(); area && area->shape == AreaShape::mesh)
+            for (const SceneMesh& mesh : scene.meshes)
+                if (mesh.name == area->mesh) shineFrom(light, *mesh.mesh, mesh.wsFromMesh);
 }
 
 std::shared_ptr<const Solids> solidsOf(const Scene& scene) {

@@ -28,6 +28,9 @@ class MeshStore {
     std::map<std::string, std::shared_ptr<const TriangleMesh>> m_meshes;  // by file
 };
 
+/// Lets the lights whose shapes are meshes shine from those of a loaded scene.
+void shineFromMeshes(Scene& scene);
+
 /// The solids of a loaded scene; null where it has no meshes.
 std::shared_ptr<const Solids> solidsOf(const Scene& scene);
 

@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -55,6 +56,47 @@ class FieldMap {
     std::vector<float> m_most;
 };
 
+// A vector for each voxel of a block, in blockOffset order.
+using BlockVectors = std::array<std::array<float, kBlockVoxels>, 3>;
+
+// The places of the voxels from the first one on.
+constexpr BlockVectors kVoxels = [] {
+    BlockVectors all{};
+    for (std::size_t i = 0; i < kBlockVoxels; ++i) {
+        all[0][i] = static_cast<float>(i / (kBlockEdge * kBlockEdge));
+        all[1][i] = static_cast<float>(i / kBlockEdge % kBlockEdge);
+        all[2][i] = static_cast<float>(i % kBlockEdge);
+    }
+    return all;
+}();
+
+// Where the values of a block come from, in index space from its first voxel on, when they have moved by `linear` times
+// (time * velocity - mean). Returns the box around it.
+Bounds cameFrom(const Mat3& linear, double time, const Vec3& mean, const BlockVectors& velocities, BlockVectors& at) {
+    const auto& [vx, vy, vz] = velocities;
+    const Vec3 shift = linear * mean;
+    Bounds box;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto from = static_cast<float>(shift[axis]), perX = static_cast<float>(time * linear[0][axis]),
+                   perY = static_cast<float>(time * linear[1][axis]), perZ = static_cast<float>(time * linear[2][axis]);
+        const std::array<float, kBlockVoxels>& own = kVoxels[std::size_t(axis)];
+        float* to = at[std::size_t(axis)].data();
+        std::array<float, kBlockEdge> least, most;  // of all rows
+        least.fill(std::numeric_limits<float>::max());
+        most.fill(-std::numeric_limits<float>::max());
+        for (std::size_t row = 0; row < kBlockVoxels; row += kBlockEdge)
+            for (std::size_t z = 0; z < kBlockEdge; ++z) {
+                const std::size_t i = row + z;
+                to[i] = own[i] + from - (perX * vx[i] + perY * vy[i] + perZ * vz[i]);
+                least[z] = std::min(least[z], to[i]);
+                most[z] = std::max(most[z], to[i]);
+            }
+        box.lower[axis] = double(*std::min_element(least.begin(), least.end()));
+        box.upper[axis] = double(*std::max_element(most.begin(), most.end()));
+    }
+    return box;
+}
+
 // Visits the blocks that the box (index space) touches.
 template <typename Visit>
 void visitBlocks(const Bounds& is, const Visit& visit) {
@@ -69,10 +111,6 @@ template <typename Visit>
 void forCubes(const SparseField& field, const Visit& visit) {
     for (const Int3& origin : field.blockOrigins) visit(Bounds{Vec3(origin), Vec3(origin + (kBlockEdge - 1))});
     for (const ConstantTile& tile : field.tiles) visit(Bounds{Vec3(tile.origin), Vec3(tile.origin + (tile.edge - 1))});
-}
-
-Int3 voxelOf(int i) {
-    return {i / (kBlockEdge * kBlockEdge), i / kBlockEdge % kBlockEdge, i % kBlockEdge};
 }
 
 Bounds boxOf(const Int3& block) {
@@ -104,9 +142,9 @@ struct FieldMover::Parts {
         return v;
     }
 
-    // Adds to `velocities` the velocities at the voxels of the block whose first voxel is `origin`, in blockOffset
-    // order. `wsFromIs` belongs to the block.
-    void addVelocities(const Mat4& wsFromIs, const Int3& origin, FieldBrick& brick, Vec3* velocities) const;
+    // Adds to `velocities` the velocities at the voxels of the block whose first voxel is `origin`. `wsFromIs` belongs
+    // to the block.
+    void addVelocities(const Mat4& wsFromIs, const Int3& origin, FieldBrick& brick, BlockVectors& velocities) const;
 
     // The first voxels of the blocks that the field may touch when it has moved for `time` and lies at `wsFromIs`.
     // `ways` turns a box around displacements in asset space into one in index space, relative to that.
@@ -158,9 +196,9 @@ Vec3 FieldMover::Parts::mean(const SparseField& field) const {
         };
         if (b < field.blockCount()) {
             FieldBrick brick;
-            std::array<Vec3, kBlockVoxels> velocities{};
-            addVelocities(field.wsFromIs, field.blockOrigins[b], brick, velocities.data());
-            for (std::size_t i = 0; i < kBlockVoxels; ++i) add(velocities[i], double(field.block(b)[i]));
+            BlockVectors v{};
+            addVelocities(field.wsFromIs, field.blockOrigins[b], brick, v);
+            for (std::size_t i = 0; i < kBlockVoxels; ++i) add({v[0][i], v[1][i], v[2][i]}, double(field.block(b)[i]));
         } else {
             const ConstantTile& tile = field.tiles[b - field.blockCount()];
             add(at(transformPoint(field.wsFromIs, Vec3(tile.origin) + 0.5 * (tile.edge - 1))),
@@ -176,24 +214,24 @@ Vec3 FieldMover::Parts::mean(const SparseField& field) const {
 }
 
 void FieldMover::Parts::addVelocities(const Mat4& wsFromIs, const Int3& origin, FieldBrick& brick,
-                                      Vec3* velocities) const {
+                                      BlockVectors& velocities) const {
     for (std::size_t p = 0; p < maps.size(); ++p) {
         const Mat4 partFromIs = maps[p].isFromWs() * wsFromIs;
         const Bounds is = transformed(partFromIs, boxOf(origin >> 3));
         if (maps[p].most(is) == 0) continue;
-        const int axis = int(p / 2);
-        const double sign = p % 2 == 0 ? 1 : -1;
-        if (!keepsAxes(partFromIs)) {
-            for (int i = 0; i < kBlockVoxels; ++i)
-                velocities[i][axis] += sign * maps[p].at(transformPoint(partFromIs, Vec3(origin + voxelOf(i))));
-            continue;
+        std::array<float, kBlockVoxels>& part = velocities[p / 2];
+        const float sign = p % 2 == 0 ? 1 : -1;
+        if (keepsAxes(partFromIs)) {
+            // The lattices differ by a shift.
+            const Vec3 first = transformPoint(partFromIs, Vec3(origin)), floor = glm::floor(first);
+            brick.fill(maps[p].index(), Int3(floor), Int3(floor) + kBlockEdge);
+            brick.addBlock(first - floor, sign, part.data());
+        } else {
+            for (std::size_t i = 0; i < kBlockVoxels; ++i) {
+                const Vec3 place = Vec3(origin) + Vec3(kVoxels[0][i], kVoxels[1][i], kVoxels[2][i]);
+                part[i] += sign * static_cast<float>(maps[p].at(transformPoint(partFromIs, place)));
+            }
         }
-        // The lattices differ by a shift, so all weights are the same.
-        const Vec3 first = transformPoint(partFromIs, Vec3(origin)), floor = glm::floor(first);
-        const Int3 base(floor);
-        brick.fill(maps[p].index(), base, base + kBlockEdge);
-        for (int i = 0; i < kBlockVoxels; ++i)
-            velocities[i][axis] += sign * brick.value(base + voxelOf(i), first - floor);
     }
 }
 
@@ -213,10 +251,21 @@ std::vector<Int3> FieldMover::Parts::blocksOf(const FieldMap& from, const Mat4& 
     forCubes(from.field(), [&](const Bounds& is) {
         find({is.lower + still.lower - 1.0, is.upper + still.upper + 1.0});
     });
-    for (const FieldMap& part : maps)
-        forCubes(part.field(), [&](const Bounds& is) {
-            find(transformed(isFromWs * part.wsFromIs(), {is.lower - 1.0, is.upper + 1.0}));
-        });
+    // Most parts have the same blocks.
+    std::vector<std::pair<Int3, Int3>> cubes;
+    const auto before = [](const auto& a, const auto& b) {
+        return originLess(a.first, b.first) || (a.first == b.first && originLess(a.second, b.second));
+    };
+    for (std::size_t p = 0; p < maps.size(); ++p) {
+        const FieldMap& part = maps[p];
+        forCubes(part.field(), [&](const Bounds& is) { cubes.emplace_back(Int3(is.lower), Int3(is.upper)); });
+        if (p + 1 < maps.size() && maps[p + 1].wsFromIs() == part.wsFromIs()) continue;
+        std::sort(cubes.begin(), cubes.end(), before);
+        cubes.erase(std::unique(cubes.begin(), cubes.end()), cubes.end());
+        for (const auto& [lower, upper] : cubes)
+            find(transformed(isFromWs * part.wsFromIs(), {Vec3(lower) - 1.0, Vec3(upper) + 1.0}));
+        cubes.clear();
+    }
     std::sort(found.begin(), found.end(), originLess);
     found.erase(std::unique(found.begin(), found.end()), found.end());
     std::erase_if(found, [&](const Int3& block) {
@@ -258,22 +307,28 @@ FieldPointer FieldMover::moved(const FieldPointer& field, double time) const {
     const Bounds all = field->isBounds();
     pieces.fill = [&, wsFromIs = pieces.wsFromIs](std::size_t b, float* to) {
         FieldBrick brick;
-        std::array<Vec3, kBlockVoxels> at{};
-        m_parts->addVelocities(wsFromIs, origins[b], brick, at.data());
-        Bounds sampled;
-        for (int i = 0; i < kBlockVoxels; ++i) {
-            at[std::size_t(i)] = Vec3(origins[b] + voxelOf(i)) - linear * (time * at[std::size_t(i)] - mean);
-            sampled.include(at[std::size_t(i)]);
-        }
+        BlockVectors velocities{}, at;
+        m_parts->addVelocities(wsFromIs, origins[b], brick, velocities);
+        const Bounds sampled = cameFrom(linear, time, mean, velocities, at);
         // Neighbours mostly move alike, and come from near the field.
         constexpr double kMostEdge = 32;
-        const Vec3 edges = sampled.size();
-        const bool near = glm::all(glm::lessThan(glm::abs(sampled.center() - all.center()), all.size() + kMostEdge));
-        if (near && std::max({edges.x, edges.y, edges.z}) < kMostEdge) {
-            brick.fill(from.index(), Int3(glm::floor(sampled.lower)), Int3(glm::floor(sampled.upper)) + 1);
-            for (int i = 0; i < kBlockVoxels; ++i) to[i] = static_cast<float>(brick.value(at[std::size_t(i)]));
+        const Vec3 edges = sampled.size(), origin(origins[b]);
+        const bool near =
+            glm::all(glm::lessThan(glm::abs(origin + sampled.center() - all.center()), all.size() + kMostEdge));
+        if (near && largest(edges) < kMostEdge) {
+            const Int3 lower(glm::floor(sampled.lower)), upper(glm::floor(sampled.upper));
+            brick.fill(from.index(), origins[b] + lower, origins[b] + upper + 1);
+            for (int axis = 0; axis < 3; ++axis) {
+                const float most = std::nextafter(static_cast<float>(upper[axis] - lower[axis] + 1), 0.0f);
+                for (float& x : at[std::size_t(axis)]) {
+                    const float beyond = x - static_cast<float>(lower[axis]);
+                    x = beyond > 0 ? std::min(beyond, most) : 0;  // also where displacements are beyond floats
+                }
+            }
+            brick.values({at[0].data(), at[1].data(), at[2].data()}, kBlockVoxels, to);
         } else {
-            for (int i = 0; i < kBlockVoxels; ++i) to[i] = static_cast<float>(from.at(at[std::size_t(i)]));
+            for (std::size_t i = 0; i < kBlockVoxels; ++i)
+                to[i] = static_cast<float>(from.at(origin + Vec3(at[0][i], at[1][i], at[2][i])));
         }
     };
     return std::make_shared<SparseField>(buildField(std::move(pieces)));

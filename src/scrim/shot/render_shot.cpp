@@ -171,6 +171,13 @@ Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
         sampling.announce = m_options.announce;
         const PixelSample sample = timed(seconds.verify, [&] { return samplePixels(truth, frame.image, sampling); });
         m_report.verification = reportOf(summarise(sample), sample);
+        if (!m_motion.moves()) {
+            const CaughtDifference caught =
+                timed(seconds.verify, [&] { return differenceOfCaught(truth, frame, m_options.verify); });
+            m_report.verification->caughtValues = caught.values;
+            m_report.verification->caughtError = caught.rms;
+            m_report.verification->caughtWorst = caught.worst;
+        }
     }
     return frame;
 }

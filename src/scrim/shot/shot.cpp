@@ -8,6 +8,7 @@
 #include <scrim/scene/check_scene.h>
 #include <scrim/scene/quality.h>
 #include <scrim/scene/plate_camera.h>
+#include <scrim/scene/volume_file.h>
 #include <scrim/shot/frame_output.h>
 #include <scrim/shot/frame_report.h>
 #include <scrim/shot/render_shot.h>
@@ -45,8 +46,37 @@ void warmLoaderOf(const LoadOptions& load, LoadedFiles files = LoadedFiles::volu
 }
 
 std::string promiseText(const std::string& preset, const PromisedDials& promised, const std::string& block) {
-    return fmt::format("{:<23} '{}' promises {:.2g} % of error; for it, and for every frame of the shot:\n{}", "preset",
-                       preset, 100 * promised.promised, block);
+    std::string scattering;
+    if (const auto& s = promised.scattering)
+        scattering = fmt::format(
+            "{:<23} '{}' promises {:.2g} % of error in means over {} x {} pixels, and {:.2g} % are "
+            "expected: {}\n",
+            "", preset, 100 * s->promised, kScatteringMean, kScatteringMean, 100 * s->choice.expected, s->choice.why);
+    return fmt::format("{:<23} '{}' promises {:.2g} % of error; for it, and for every frame of the shot:\n{}{}",
+                       "preset", preset, 100 * promised.promised, block, scattering);
+}
+
+/// True if the cells or directions of multiply scattered light are to be chosen.
+bool choosesScattering(const Scene& scene) {
+    return (!scene.dials.scatterCell || !scene.dials.scatterDirections) &&
+           std::any_of(scene.volumes.begin(), scene.volumes.end(), [](const SceneVolume& volume) {
+               return !volume.classified && volume.medium.scattering == Scattering::full;
+           });
+}
+
+void warnOfPromise(const std::string& preset, const PromisedDials& chosen, const RenderOptions& options) {
+    constexpr double kClearly = 1.05;
+    if (chosen.expected > kClearly * chosen.promised)
+        notify(options.messages, Severity::warning,
+               fmt::format("the preset '{}' promises an error of {:.2g} %, but the finest texels and sheets that it "
+                           "may choose are expected to leave {:.2g} % in this scene",
+                           preset, 100 * chosen.promised, 100 * chosen.expected));
+    if (const auto& s = chosen.scattering; s && s->choice.expected > kClearly * s->promised)
+        notify(options.messages, Severity::warning,
+               fmt::format("the preset '{}' promises an error of {:.2g} % in means over {} x {} pixels where light "
+                           "scatters more than once, but {:.2g} % are expected in this scene: {}",
+                           preset, 100 * s->promised, kScatteringMean, kScatteringMean, 100 * s->choice.expected,
+                           s->choice.why));
 }
 
 }  // namespace
@@ -94,10 +124,11 @@ Scene Shot::Content::sceneUnframed(int frame) const {
 int Shot::Content::richestFrame(const Scene& scene) const {
     std::map<int, std::uintmax_t> bytes;
     for (const SceneVolume& volume : scene.volumes) {
-        if (!volume.source.empty() || !volume.sequence.hasFrame()) continue;
-        for (const int file : existingFrames(volume.sequence)) {
+        const FramePath& sequence = leadingSequence(volume);
+        if (!volume.source.empty() || !sequence.hasFrame()) continue;
+        for (const int file : existingFrames(sequence)) {
             std::error_code error;
-            const auto size = std::filesystem::file_size(volume.sequence.at(file), error);
+            const auto size = std::filesystem::file_size(sequence.at(file), error);
             const std::optional<int> frame = volume.frameMap.frameOf(file);
             if (!error && frame) bytes[*frame] += size;
         }
@@ -126,7 +157,7 @@ std::optional<LoadedShot> Shot::Content::loadOnce(Scene scene, const RenderOptio
 }
 
 void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, ShotUse use) {
-    if (!scene.keepsPromise || scene.tolerance > 0) return;
+    if ((!scene.keepsPromise && !choosesScattering(scene)) || scene.tolerance > 0) return;
     if (!promised || promised->first != scene.quality) {
         RenderOptions whole = options;
         whole.crop.reset();
@@ -148,15 +179,11 @@ void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Shot
             if (error.kind() != ErrorKind::input) throw;
             return;
         }
-        const PromisedDials& chosen = promised->second;
-        if (chosen.expected > 1.05 * chosen.promised)
-            notify(
-                options.messages, Severity::warning,
-                fmt::format("the preset '{}' promises an error of {:.2g} %, but the finest texels and sheets that it "
-                            "may choose are expected to leave {:.2g} % in this scene",
-                            scene.quality, 100 * chosen.promised, 100 * chosen.expected));
+        if (scene.keepsPromise) warnOfPromise(scene.quality, promised->second, options);
     }
     const PromisedDials& chosen = promised->second;
+    if (chosen.scattering) setScattering(scene.dials, chosen.scattering->choice);
+    if (!scene.keepsPromise) return;
     scene.dials.texel = chosen.dials.texel;
     scene.dials.sheetThickness = chosen.dials.sheetThickness;
     scene.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, chosen.dials.opacityCutoff);
@@ -298,9 +325,10 @@ std::vector<int> Shot::frames() const {
     std::set<int> frames;
     bool still = true;
     for (const SceneVolume& volume : scene.volumes) {
-        if (!volume.source.empty() || !volume.sequence.hasFrame()) continue;
+        const FramePath& sequence = leadingSequence(volume);
+        if (!volume.source.empty() || !sequence.hasFrame()) continue;
         still = false;
-        const std::vector<int> files = existingFrames(volume.sequence);
+        const std::vector<int> files = existingFrames(sequence);
         std::set<int> shown;
         for (const int file : files)
             if (const std::optional<int> frame = volume.frameMap.frameOf(file)) shown.insert(*frame);

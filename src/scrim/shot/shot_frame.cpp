@@ -79,13 +79,21 @@ std::string ShotFrame::pathOf(const std::string& path, const std::string& fromSc
 
 void ShotFrame::write(const std::string& path, const MessageSink& messages) {
     ShotReport& report = m_content->report;
-    const std::string file = pathOf(path, m_content->scene.output.file, "picture");
+    const SceneOutput& output = m_content->scene.output;
+    const std::string file = pathOf(path, output.file, "picture");
     checkExr(file, "picture");
-    withThreads(report.threads, [&] {
-        const std::size_t clamped = timed(report.seconds.write, [&] { return writeFrame(*m_content, file); });
-        report.file = file;
-        warnOfClamped(clamped, file, "type", messages);
-    });
+    const auto write = [&](const OutputFile& what, const std::string& to) {
+        withThreads(report.threads, [&] {
+            const std::size_t clamped = timed(report.seconds.write, [&] { return writeFrame(*m_content, what, to); });
+            warnOfClamped(clamped, to, "type", messages);
+        });
+    };
+    OutputFile all = output;
+    if (!path.empty()) all.layers = output.allLayers();
+    write(all, file);
+    report.file = file;
+    for (const OutputFile& more : output.files)
+        if (path.empty()) write(more, more.file);
     report.peakBytes = peakResidentBytes();
 }
 

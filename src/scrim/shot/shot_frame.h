@@ -48,10 +48,14 @@ struct VerificationReport {
     double error = 0;
     double lower = 0, upper = 0;  ///< 95 % confidence interval of `error`
     double alphaError = 0;
-    double mean = 0;                      ///< of the reference over R, G and B, which errors of colour are relative to
-    double bias = 0;                      ///< mean difference over mean reference
-    double worst = 0;                     ///< RMS difference of one pixel over the mean reference
-    int worstX = 0, worstY = 0;           ///< that pixel
+    double mean = 0;             ///< of the reference over R, G and B, which errors of colour are relative to
+    double bias = 0;             ///< mean difference over mean reference
+    double worst = 0;            ///< RMS difference of one pixel over the mean reference
+    int worstX = 0, worstY = 0;  ///< that pixel
+    int edge = 1;  ///< what is called a pixel here is the mean over a square of `edge` x `edge` pixels, see its corner
+    /// Of the values, from 0 to 1, that layers of caught shadows have where solids show; 0 where there are none.
+    double caughtError = 0, caughtWorst = 0;  ///< root mean square and largest of the differences
+    int caughtValues = 0;
     std::vector<ExaminedPixel> examined;  ///< those that counted, in the order in which they were drawn
 };
 
@@ -113,8 +117,8 @@ class ShotFrame {
     const ShotReport& report() const;
 
     /// Writes picture and layers as one OpenEXR file with all metadata, in the colour space and type of the scene's
-    /// output. "####" in `path` stands for the frame, as in scenes; "" stands for the scene's own output file. The file
-    /// appears completely or not at all. Throws Error: usage, output.
+    /// output. "####" in `path` stands for the frame, as in scenes; "" stands for the scene's own output files, each
+    /// with its own layers. A file appears completely or not at all. Throws Error: usage, output.
     void write(const std::string& path = "", const MessageSink& messages = {});
 
     /// True if the scene asks for a deep picture.

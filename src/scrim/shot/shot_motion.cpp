@@ -29,7 +29,9 @@ constexpr int kMostSamples = 128;
 // The mean of frames of equal weight.
 class MeanFrame {
   public:
-    explicit MeanFrame(int count) : m_weight(1.0f / static_cast<float>(count)) {}
+    // `deepTolerance`: how much the deep picture may change because its samples are merged.
+    explicit MeanFrame(int count, double deepTolerance = 0)
+        : m_weight(1.0f / static_cast<float>(count)), m_deepTolerance(deepTolerance) {}
 
     void add(Frame frame) {
         if (m_mean.image.rgba.empty()) start(frame);
@@ -42,11 +44,13 @@ class MeanFrame {
             else
                 addTo(m_mean.layers[i].data, frame.layers[i].data);
         }
+        if (frame.deep) addDeep(*frame.deep);
         m_mean.work += frame.work;
         m_mean.times += frame.times;
         m_mean.scatterChange = std::max(m_mean.scatterChange, frame.scatterChange);
         m_mean.scatterConverged = m_mean.scatterConverged && frame.scatterConverged;
     }
+    std::size_t deepBytes() const { return m_mean.deep ? m_mean.deep->bytes() : 0; }
     /// The mean of the `count` frames that were added so far.
     Image soFar(int count) const {
         Image image = m_mean.image;
@@ -60,6 +64,11 @@ class MeanFrame {
         for (FrameLayer& layer : m_mean.layers)
             for (std::size_t i = 0; layer.layer == Layer::depth && i < m_alpha.size(); ++i)
                 if (m_alpha[i] > 0) layer.data[2 * i + 1] /= m_alpha[i];
+        if (const std::optional<DeepImage>& deep = m_mean.deep)
+            m_mean.deep = deepImage(deep->window, [&](int x, int y) {
+                const std::span<const DeepPiece> curve = deep->curve(x, y);
+                return tidied(merged({curve.begin(), curve.end()}, 0.5 * m_deepTolerance));
+            });
         return std::move(m_mean);
     }
 
@@ -72,6 +81,16 @@ class MeanFrame {
     }
     void addTo(std::vector<float>& sum, const std::vector<float>& values) const {
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_weight * values[i];
+    }
+    // What is in front of a depth is the mean of what is in front of it at each moment.
+    void addDeep(const DeepImage& next) {
+        const double step = 0.5 * m_deepTolerance * double(m_weight);
+        m_mean.deep = deepImage(next.window, [&](int x, int y) {
+            std::vector<DeepTerm> terms;
+            if (m_mean.deep) terms.push_back({m_mean.deep->curve(x, y)});
+            terms.push_back({next.curve(x, y), double(m_weight), double(m_weight)});
+            return merged(sumOf(terms), step);
+        });
     }
     // Weighted by opacity.
     void addMotion(std::vector<float>& sum, const std::vector<float>& motion, const Image& image) const {
@@ -89,6 +108,7 @@ class MeanFrame {
     }
 
     float m_weight;
+    double m_deepTolerance;
     Frame m_mean;
     std::vector<float> m_alpha;  // summed over frames in which the pixel has a depth
 };
@@ -138,10 +158,11 @@ Places pointsOf(const ViewScene& view) {
 // A rough estimate, in world units, of how far the shadows that a light throws move between two moments.
 double lightWay(const Light& a, const Light& b, const Bounds& ws) {
     const double radius = 0.5 * glm::length(ws.size());
-    const double turn = glm::length(a.wsDirection - b.wsDirection) * radius;
+    const double roll = a.luminaire ? glm::length(a.wsUp - b.wsUp) : 0;
+    const double turn = (glm::length(a.wsDirection - b.wsDirection) + roll) * radius;
     if (a.distant()) return a.slide ? turn + glm::distance(a.wsPosition, b.wsPosition) : turn;
     const double distance = std::max(glm::distance(ws.center(), a.wsPosition), 1e-6 * radius);
-    return (a.spot() || a.slide ? turn : 0) +
+    return (a.spot() || a.slide || a.luminaire ? turn : 0) +
            glm::distance(a.wsPosition, b.wsPosition) * std::min(2 * radius / distance, 4.0);
 }
 
@@ -436,10 +457,13 @@ double ShotMotion::wantedSamples(double error, double most) const {
 }
 
 Frame ShotMotion::render(const ViewScene& view, const ProgressSink& progress) const {
-    MeanFrame mean(m_samples);
+    // Half of the tolerance is for each moment, and half for their mean.
+    MeanFrame mean(m_samples, view.deep ? 0.5 * view.deep->tolerance : 0);
     for (int i = 0; i < m_samples; ++i) {
         ViewScene moment = viewAt(timeOf(i, m_samples));
         moment.dials = view.dials;
+        if (view.deep) moment.deep = ViewDeep{0.5 * view.deep->tolerance};
+        moment.memoryLimit = limitBeside(moment.memoryLimit, mean.deepBytes());
         const double from = double(i) / m_samples, to = double(i + 1) / m_samples;
         const Plan plan = makePlan(moment, threadCount(), partOf(progress, from, from));
         mean.add(scrim::render(moment, plan, partOf(progress, from, to)));

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
@@ -68,11 +70,16 @@ void ShotText::give(const std::vector<std::string>& overrides, const OpenOptions
 }
 
 void ShotText::add(const std::vector<std::string>& overrides) {
-    constexpr std::string_view kWindow = ".classified.window=";
     for (const std::string& assignment : overrides) {
-        const std::size_t at = assignment.find(kWindow);
-        if (!(at < assignment.find('='))) continue;
-        m_asAsset.window = assignment.substr(at + kWindow.size());
+        const std::size_t equals = std::min(assignment.find('='), assignment.size());
+        const std::string key = assignment.substr(0, equals), value = assignment.substr(equals);
+        // An asset that is not framed yet is framed for this picture, as by --res. Mistakes are the reader's to tell.
+        Int2 size(0);
+        if (!m_framed && key == "camera.resolution" && std::sscanf(value.c_str(), "=[%d,%d]", &size.x, &size.y) == 2 &&
+            std::min(size.x, size.y) > 0)
+            m_asAsset.resolution = size;
+        if (!key.ends_with(".classified.window") || value.empty()) continue;
+        m_asAsset.window = value.substr(1);
         m_framed = false;
     }
     m_given.insert(m_given.end(), overrides.begin(), overrides.end());
@@ -91,6 +98,13 @@ void ShotText::frameAsset(FieldStore& store, const MessageSink& messages) {
     m_text.text = framedText(store, m_path, m_assetPattern, m_asAsset, messages);
     m_framed = true;
     applyTurntable();
+}
+
+void nameOutputs(SceneOutput& output, int frame) {
+    output.file = output.path.outputAt(frame);
+    for (OutputFile& more : output.files) more.file = more.path.outputAt(frame);
+    if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.outputAt(frame);
+    if (!output.deep.path.pattern.empty()) output.deep.file = output.deep.path.outputAt(frame);
 }
 
 Scene ShotText::at(int frame, const ColourConfig& colour, double within) const {
@@ -113,9 +127,7 @@ Scene ShotText::at(int frame, const ColourConfig& colour, double within) const {
         const std::string name = std::filesystem::path(sequence ? m_assetPattern : m_path).stem().string();
         output.path = {"", (sequence ? name : patternOf(name)) + (turns ? ".####.exr" : ".exr")};
     }
-    output.file = output.path.outputAt(frame);
-    if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.outputAt(frame);
-    if (!output.deep.path.pattern.empty()) output.deep.file = output.deep.path.outputAt(frame);
+    nameOutputs(output, frame);
     return scene;
 }
 

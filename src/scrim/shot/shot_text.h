@@ -52,6 +52,9 @@ class ShotText {
     std::vector<std::string> m_overrides;  ///< those and the overrides of a turntable
 };
 
+/// Puts the frame into the paths of all output files.
+void nameOutputs(SceneOutput& output, int frame);
+
 /// The extension of a file's name in lower case: ".exr".
 std::string lowerExtension(const std::string& path);
 

@@ -25,7 +25,7 @@ void addFlow(const ViewVolume& volume, const SceneVolume& now, const std::vector
 }  // namespace
 
 bool wantsMotion(const Scene& scene) {
-    const std::vector<Layer>& layers = scene.output.layers;
+    const std::vector<Layer> layers = scene.output.allLayers();
     return std::find(layers.begin(), layers.end(), Layer::motion) != layers.end();
 }
 

@@ -50,13 +50,14 @@ std::string differenceName(const Dials& dials, const Dials& base) {
 
 // The dials that are varied along the front. The others are of no use there: they change what is shown, or serve
 // comparison only.
-constexpr std::array<std::string_view, 6> kTuned{"footprint_steps", "shadow_texel", "shadow_filter",
-                                                 "shade",           "max_slant",    "opacity_cutoff"};
+constexpr std::array<std::string_view, 8> kTuned{"footprint_steps", "shadow_texel",      "shadow_filter",
+                                                 "shade",           "max_slant",         "opacity_cutoff",
+                                                 "scatter_cell",    "scatter_directions"};
 
 }  // namespace
 
-std::vector<DialSweep> dialSweeps() {
-    return {
+std::vector<DialSweep> dialSweeps(bool scattering) {
+    std::vector<DialSweep> sweeps{
         sized("sheet_thickness", {"0.25", "0.5", "1", "1.5", "2", "3", "4"}),
         sized("texel", {"0.25", "0.35", "0.5", "0.7", "1", "1.4", "2", "3"}),
         steps("footprint_steps", {"32", "16", "8", "4", "2"}),
@@ -69,6 +70,10 @@ std::vector<DialSweep> dialSweeps() {
         sized("opacity_cutoff", {"0.0001", "0.001", "0.01", "0.05", "0.2"}),
         sized("lod", {"0", "0.5", "1", "2"}),
     };
+    if (!scattering) return sweeps;
+    sweeps.push_back(sized("scatter_cell", {"1", "1.5", "2", "3", "4", "6"}));
+    sweeps.push_back(steps("scatter_directions", {"256", "128", "64"}));
+    return sweeps;
 }
 
 std::size_t addTrial(std::vector<Trial>& trials, const std::string& name, const Dials& dials) {

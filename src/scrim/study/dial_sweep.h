@@ -21,8 +21,9 @@ struct DialSweep {
     std::optional<double> order;  ///< the measured order, see convergenceOrder
 };
 
-/// Sweeps for all dials that a study varies, still without trials.
-std::vector<DialSweep> dialSweeps();
+/// Sweeps for all dials that a study varies, still without trials. `scattering`: also for those of light that scatters
+/// more than once.
+std::vector<DialSweep> dialSweeps(bool scattering);
 
 /// The index of `dials` in `trials`, to which they are added if they are missing.
 std::size_t addTrial(std::vector<Trial>& trials, const std::string& name, const Dials& dials);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/light_rays.h>
 
+#include <scrim/solid/mesh_parts.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -66,6 +68,10 @@ struct SphericalRectangle {
 }  // namespace
 
 LightRays::LightRays(const Light& light) : m_light(light), m_frame(lightFrame(light)) {
+    if (light.area() && light.area()->surface) {
+        constexpr double kTriangles = 500;
+        m_mesh = cutTriangles(*light.area()->surface, light.area()->area() / kTriangles);
+    }
     if (!light.dome() || !light.slide) return;
     const Texture::Level& level = light.slide->image->levels().front();
     double all = 0;
@@ -164,6 +170,28 @@ LightRay LightRays::fromSphere(const Vec3& ws, const Vec2& square) const {
     return {direction, along - half, m_light.intensity * (2 * kPi * depth)};
 }
 
+// Chooses a triangle in proportion to the light that its middle sends to `ws`, and a place on it.
+LightRay LightRays::fromMesh(const Vec3& ws, const Vec2& square) const {
+    std::vector<double> sums;
+    double sum = 0;
+    for (std::size_t t = 0; t < m_mesh.triangles.size(); ++t) {
+        const Vec3 &a = m_mesh.corner(t, 0), &b = m_mesh.corner(t, 1), &c = m_mesh.corner(t, 2);
+        const Vec3 way = ws - (a + b + c) / 3.0;
+        const double r2 = std::max(glm::dot(way, way), 1e-300);
+        sums.push_back(sum += std::max(glm::dot(glm::cross(b - a, c - a), way), 0.0) / (r2 * std::sqrt(r2)));
+    }
+    if (!(sum > 0)) return {};
+    const auto [t, rest] = find(sums.data(), sums.size(), square.x);
+    const double chance = (sums[t] - (t > 0 ? sums[t - 1] : 0)) / sum, root = std::sqrt(rest);
+    const Vec3 &a = m_mesh.corner(t, 0), &b = m_mesh.corner(t, 1), &c = m_mesh.corner(t, 2);
+    const Vec3 to = (1 - root) * a + root * ((1 - square.y) * b + square.y * c) - ws;
+    const double distance = glm::length(to);
+    if (!(distance > 0) || !(chance > 0)) return {};
+    const double facing = 0.5 * std::max(-glm::dot(glm::cross(b - a, c - a), to), 0.0) / distance;
+    constexpr double kBefore = 1 - 1e-4;  // so that the triangle is not in the way of its own light
+    return {to / distance, kBefore * distance, m_light.intensity * (facing / (chance * distance * distance))};
+}
+
 // Chooses a pixel in proportion to its light, and a place within it.
 LightRay LightRays::fromPicture(const Vec2& square) const {
     const Texture::Level& level = m_light.slide->image->levels().front();
@@ -189,6 +217,7 @@ LightRay LightRays::ray(const Vec3& ws, const Vec2& square) const {
     }
     if (const Light::Area* area = m_light.area()) {
         if (area->shape == AreaShape::rectangle) return fromRectangle(ws, square);
+        if (area->shape == AreaShape::mesh) return fromMesh(ws, square);
         if (area->shape == AreaShape::cylinder) return fromCylinder(ws, square);
         return area->shape == AreaShape::disk ? fromDisk(ws, square) : fromSphere(ws, square);
     }

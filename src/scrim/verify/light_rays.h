@@ -6,7 +6,9 @@
 
 #include <scrim/scene/light.h>
 #include <scrim/scene/light_at.h>
+#include <scrim/solid/triangle_mesh.h>
 
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -33,11 +35,13 @@ class LightRays {
     LightRay fromDisk(const Vec3& ws, const Vec2& square) const;
     LightRay fromCylinder(const Vec3& ws, const Vec2& square) const;
     LightRay fromSphere(const Vec3& ws, const Vec2& square) const;
+    LightRay fromMesh(const Vec3& ws, const Vec2& square) const;
     LightRay fromPicture(const Vec2& square) const;
     Rgb pictureAt(double u, double v) const;
 
     const Light& m_light;
     Mat3 m_frame;
+    TriangleMesh m_mesh;  // of a mesh that shines: small triangles
     // For a dome's picture: running sums of light over rows, and over the pixels of each row.
     std::vector<double> m_rows, m_pixels;
 };

@@ -11,9 +11,12 @@ namespace {
 
 using Rgba = std::array<double, 4>;
 
-constexpr std::size_t kMostIntervals = 256;  // 512 moments
-constexpr int kPaths = 2048;                 // paths per pixel for multiply scattered light
-constexpr double kChange = 1e-3;             // convergence threshold, relative to the brightest mean
+constexpr std::size_t kMostIntervals = 256;             // 512 moments
+constexpr int kPaths = 2048, kMostPaths = 16 * kPaths;  // for multiply scattered light, of a pixel or a square
+// The noise, relative to the mean, that more paths are taken for. With this noise in 100 squares, the interval of an
+// error of 2 % reaches from about 1.5 to 2.5 %.
+constexpr double kNoise = 0.02;
+constexpr double kChange = 1e-3;  // convergence threshold, relative to the brightest mean
 
 bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
     for (std::size_t c = 0; c < 4; ++c)
@@ -23,7 +26,7 @@ bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
 
 }  // namespace
 
-MomentsReference::MomentsReference(const ViewScene& truth) : m_truth(truth) {
+MomentsReference::MomentsReference(const ViewScene& truth) : m_truth(truth), m_paths(kPaths) {
     if (!truth.moments) {
         Moment& still = m_levels.emplace_back().emplace_back();
         still.reference = std::make_unique<const Reference>(truth, ReferenceOptions{}, &m_samplers);
@@ -71,11 +74,51 @@ std::vector<Rgba> MomentsReference::meansOver(std::span<const VerifiedPixel> pix
     return means;
 }
 
+// A square is the mean of its pixels, among which its paths are divided.
 void MomentsReference::evaluate(std::span<VerifiedPixel> pixels) {
+    std::vector<VerifiedPixel> each;
+    std::vector<std::size_t> first;
+    int most = 1;  // pixels of a square
+    for (const VerifiedPixel& p : pixels) {
+        first.push_back(each.size());
+        most = std::max(most, p.edge * p.edge);
+        for (int i = 0; i < p.edge * p.edge; ++i) {
+            const Int2 at(p.x + i % p.edge, p.y + i / p.edge);
+            if (p.edge == 1 || m_truth.region.contains(at.x, at.y)) each.push_back({at.x, at.y, {}, {}});
+        }
+    }
+    first.push_back(each.size());
+    evaluateSingle(each);
+    addScattered(each, std::max(m_paths / most, 1));
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        VerifiedPixel& p = pixels[i];
+        p.reference = {};
+        p.variance = {};
+        const auto count = static_cast<double>(first[i + 1] - first[i]);
+        for (std::size_t k = first[i]; k < first[i + 1]; ++k) {
+            for (std::size_t c = 0; c < 4; ++c) p.reference[c] += each[k].reference[c] / count;
+            for (std::size_t c = 0; c < 3; ++c) p.variance[c] += each[k].variance[c] / (count * count);
+        }
+    }
+    choosePaths(pixels);
+}
+
+void MomentsReference::choosePaths(std::span<const VerifiedPixel> pixels) {
+    for (const VerifiedPixel& p : pixels)
+        for (std::size_t c = 0; c < 3; ++c) {
+            m_noise += p.variance[c] / 3 * m_paths;
+            m_light += p.reference[c] / 3;
+        }
+    m_seen += pixels.size();
+    if (!(m_light > 0) || m_noise == 0) return;
+    const double mean = m_light / double(m_seen), wanted = m_noise / double(m_seen) / (kNoise * kNoise * mean * mean);
+    m_paths = static_cast<int>(std::clamp(wanted, 1.0 * kPaths, 1.0 * kMostPaths));
+}
+
+void MomentsReference::evaluateSingle(std::span<VerifiedPixel> pixels) {
     if (!m_truth.moments) {
         const Reference& still = *m_levels[0][0].reference;
         parallelFor(pixels.size(), [&](std::size_t i) { pixels[i].reference = still.pixel(pixels[i].x, pixels[i].y); });
-        addScattered(pixels);
         return;
     }
     std::vector<VerifiedPixel> open(pixels.begin(), pixels.end());
@@ -101,13 +144,14 @@ void MomentsReference::evaluate(std::span<VerifiedPixel> pixels) {
         places = std::move(stillAt);
         before = std::move(kept);
     }
-    addScattered(pixels);
 }
 
 // Adds multiply scattered light on the first level only; its noise exceeds the differences between levels.
-void MomentsReference::addScattered(std::span<VerifiedPixel> pixels) const {
+void MomentsReference::addScattered(std::span<VerifiedPixel> pixels, int all) const {
+    if (pixels.empty()) return;
     const std::vector<Moment>& moments = m_levels.front();
-    const int paths = std::max(kPaths / static_cast<int>(moments.size()), 16);
+    constexpr int kLeast = 16;  // paths of a moment
+    const int paths = std::max(all / static_cast<int>(moments.size()), kLeast);
     parallelFor(pixels.size(), [&](std::size_t i) {
         for (std::size_t m = 0; m < moments.size(); ++m) {
             if (!moments[m].paths->any()) return;

@@ -20,7 +20,8 @@ class MomentsReference {
     /// `truth` must outlive this object. If it has a single moment, this equals `Reference`.
     explicit MomentsReference(const ViewScene& truth);
 
-    /// Fills in the references of `pixels`.
+    /// Fills in the references of `pixels`, and the variance of multiply scattered light in them. The number of paths
+    /// follows from the noise in the calls before, never from that of the same pixels, which would bias their variance.
     void evaluate(std::span<VerifiedPixel> pixels);
 
     /// The number of moments evaluated so far.
@@ -34,7 +35,9 @@ class MomentsReference {
     };
     /// The moments of `2^level` times as many intervals as the first level has.
     const std::vector<Moment>& momentsOf(std::size_t level);
-    void addScattered(std::span<VerifiedPixel> pixels) const;
+    void evaluateSingle(std::span<VerifiedPixel> pixels);
+    void addScattered(std::span<VerifiedPixel> pixels, int paths) const;
+    void choosePaths(std::span<const VerifiedPixel> pixels);
     std::vector<std::array<double, 4>> meansOver(std::span<const VerifiedPixel> pixels, std::size_t level);
 
     const ViewScene& m_truth;
@@ -42,6 +45,9 @@ class MomentsReference {
     std::size_t m_intervals = 1;                // on the first level
     std::vector<std::vector<Moment>> m_levels;  // each level is made when it is first needed
     std::array<double, 4> m_brightest{};        // brightest mean seen so far in each channel
+    int m_paths;                                // for multiply scattered light, of a pixel or a square
+    double m_noise = 0, m_light = 0;            // sums over the pixels so far: variance times paths, and the mean
+    std::size_t m_seen = 0;                     // pixels in the sums
 };
 
 }  // namespace scrim

@@ -23,10 +23,6 @@ constexpr int kBoxes = 64;         // number of majorant boxes along the longest
 constexpr double kRoulette = 0.1;  // a path of less weight than this is ended at random (Russian roulette)
 constexpr int kMostScatterings = 100000;
 
-double most(const Rgb& v) {
-    return std::max({v.x, v.y, v.z});
-}
-
 // The unit vector at the given cosine to `axis`, turned around it by `turn` radians.
 Vec3 around(const Vec3& axis, double cosine, double turn) {
     const Mat3 frame = frameAround(axis);
@@ -69,7 +65,7 @@ PathTracer::PathTracer(const ViewScene& scene, FieldSamplers* shared) : m_scene(
 void PathTracer::measure() {
     m_wsBounds = wsBounds(m_scene);
     const Vec3 size = m_wsBounds.size();
-    m_edge = std::max({size.x, size.y, size.z}) / kBoxes * (1 + 1e-9);
+    m_edge = largest(size) / kBoxes * (1 + 1e-9);
     m_size = glm::max(Int3(glm::ceil(size / m_edge)), Int3(1));
     m_majorants.assign(std::size_t(m_size.x) * std::size_t(m_size.y) * std::size_t(m_size.z), 0.0);
     std::vector<double> ofField(m_majorants.size());
@@ -165,7 +161,7 @@ PathTracer::Flight PathTracer::fly(const Vec3& ws, const Vec3& direction, double
         for (double t = begin + random.free() / majorant; t < end; t += random.free() / majorant) {
             const Matter matter = matterAt(ws + t * direction);
             flight.glow += flight.weight * matter.emission / majorant;
-            const double chance = std::min(most(matter.extinction) / majorant, 1.0);
+            const double chance = std::min(largest(matter.extinction) / majorant, 1.0);
             if (random.next() < chance) {
                 flight.weight *= matter.extinction / (majorant * chance);
                 flight.collided = true;
@@ -186,7 +182,7 @@ Rgb PathTracer::transmittance(const Vec3& ws, const Vec3& direction, double leng
         if (majorant <= 0) return true;
         for (double t = begin + random.free() / majorant; t < end; t += random.free() / majorant) {
             left *= 1.0 - matterAt(ws + t * direction).extinction / majorant;
-            if (most(left) < 0.05) {
+            if (largest(left) < 0.05) {
                 if (random.next() < 0.5) {
                     left = Rgb(0);
                     return false;
@@ -231,30 +227,33 @@ Rgb PathTracer::lit(const std::vector<bool>& lights, const Vec3& ws, const Facto
 
 // Ends most paths of little weight at random.
 bool PathTracer::goesOn(Rgb& weight, Random& random) {
-    if (most(weight) >= kRoulette) return true;
+    if (largest(weight) >= kRoulette) return true;
     weight *= 2;
     return random.next() < 0.5;
 }
 
-// A collision at `ws` with a path along `direction`, which is `first` if the path comes from the eye. False: the path
-// ends there.
-bool PathTracer::scatter(const Vec3& ws, Vec3& direction, bool first, Rgb& weight, Rgb& sum, Random& random) const {
+// A collision at `ws` with a path along `direction`, which is `first` if the path comes from the eye. `once`: the path
+// was scattered by a volume in which light scatters once; it may be by one. False: the path ends there.
+bool PathTracer::scatter(const Vec3& ws, Vec3& direction, bool first, bool& once, Rgb& weight, Rgb& sum,
+                         Random& random) const {
     // Draws the volume that scatters the path, or its absorption.
     Rgb extinction(0), all(0);
     std::vector<Rgb> parts(m_volumes.size(), Rgb(0));
     for (std::size_t i = 0; i < m_volumes.size(); ++i) {
         extinction += m_volumes[i].extinction(ws);
-        if (scattersFully(m_volumes[i].volume())) parts[i] = m_volumes[i].scattering(ws);
+        if (const ViewVolume& own = m_volumes[i].volume(); scattersFully(own) || (!once && scattersOnce(own)))
+            parts[i] = m_volumes[i].scattering(ws);
         all += parts[i];
     }
-    if (most(all) <= 0) return false;
-    double choice = random.next() * most(all);
+    if (largest(all) <= 0) return false;
+    double choice = random.next() * largest(all);
     std::size_t drawn = 0;
-    while (drawn + 1 < parts.size() && choice >= most(parts[drawn])) choice -= most(parts[drawn++]);
-    if (most(parts[drawn]) <= 0) return false;
-    const double chance = most(parts[drawn]) / most(all);
+    while (drawn + 1 < parts.size() && choice >= largest(parts[drawn])) choice -= largest(parts[drawn++]);
+    if (largest(parts[drawn]) <= 0) return false;
+    const double chance = largest(parts[drawn]) / largest(all);
     for (int c = 0; c < 3; ++c) weight[c] *= extinction[c] > 0 ? parts[drawn][c] / (extinction[c] * chance) : 0;
     const ViewVolume& volume = m_volumes[drawn].volume();
+    once = once || !scattersFully(volume);
     const Phase& phase = volume.medium.phase;
     const auto towards = [&](const Vec3& travel) { return phaseValue(phase, -glm::dot(travel, direction)); };
     if (!first) sum += weight * lit(volume.lights, ws, towards, random);
@@ -276,7 +275,7 @@ bool PathTracer::scatter(const Vec3& ws, Vec3& direction, bool first, Rgb& weigh
 // cosine.
 bool PathTracer::sendBack(const SolidHit& hit, Vec3& ws, Vec3& direction, Rgb& weight, Rgb& sum, Random& random) const {
     weight *= hit.solid->albedo;
-    if (most(weight) <= 0) return false;
+    if (largest(weight) <= 0) return false;
     Vec3 normal = glm::normalize(hit.wsNormal);
     if (glm::dot(normal, direction) > 0) normal = -normal;
     // Solids are traced in floats, so the next ray begins beside the surface.
@@ -293,6 +292,7 @@ Rgb PathTracer::path(Vec3 ws, Vec3 direction, double begin, double length, const
     const Vec3 eye = ws;
     Rgb weight(1), sum(0);
     SolidHit ahead{length};
+    bool once = false;
     for (int scattered = 0; scattered < kMostScatterings; ++scattered) {
         const bool first = scattered == 0;
         const Flight flight = fly(ws, direction, first ? begin : 0, ahead.t, random);
@@ -301,10 +301,11 @@ Rgb PathTracer::path(Vec3 ws, Vec3 direction, double begin, double length, const
         if (flight.collided) {
             ws = flight.ws;
             if (first) weight *= held.transmittance(glm::distance(eye, ws));
-            if (!scatter(ws, direction, first, weight, sum, random)) return sum;
+            if (!scatter(ws, direction, first, once, weight, sum, random)) return sum;
         } else {
             if (first) return sum;
-            if (ahead.t == kInfinity) return sum + weight * m_scene.ambient;
+            // What a medium that scatters once gets of ambient light is the reference's.
+            if (ahead.t == kInfinity) return scattered == 1 && once ? sum : sum + weight * m_scene.ambient;
             if (!sendBack(ahead, ws, direction, weight, sum, random)) return sum;
         }
         ahead = solidAhead(SolidRole::shadow, ws, direction, 0);
@@ -317,8 +318,9 @@ Estimate PathTracer::pixel(int x, int y, int paths, std::uint64_t seed) const {
     if (!m_any || paths <= 0) return out;
     const RayFamily rays = wsRays(m_scene.camera);
     const int n = m_scene.dials.antialias;
-    Random random{seed * 0x9e3779b97f4a7c15 + std::uint64_t(std::uint32_t(x)) * 0xd1342543de82ef95 +
-                  std::uint64_t(std::uint32_t(y)) * 0xaf251af3b0f025b5};
+    // Mixed, since seeds that differ by the step of the numbers would give one sequence, shifted.
+    Random random{splitMix(splitMix(seed) + std::uint64_t(std::uint32_t(x)) * 0xd1342543de82ef95 +
+                           std::uint64_t(std::uint32_t(y)) * 0xaf251af3b0f025b5)};
     Rgb squares(0);
     for (int i = 0; i < paths; ++i) {
         const int ray = i % (n * n);

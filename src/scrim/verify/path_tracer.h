@@ -32,7 +32,8 @@ class PathTracer {
 
     /// Premultiplied radiance, averaged over pixel (x, y), of light from lights that has scattered at least twice, and
     /// of ambient light and emission that has scattered at least once. Solids that stop light send their albedo's part
-    /// of it back, which counts as scattering; what the eye sees last is a volume. Averages `paths` paths; each `seed`
+    /// of it back, which counts as scattering; what the eye sees last is a volume. Of all its scattering, volumes whose
+    /// media do not scatter fully may do one. Averages `paths` paths; each `seed`
     /// gives a different set.
     Estimate pixel(int x, int y, int paths, std::uint64_t seed = 1) const;
 
@@ -60,7 +61,7 @@ class PathTracer {
     Rgb path(Vec3 ws, Vec3 direction, double begin, double length, const HeldRay& held, Random& random) const;
     SolidHit solidAhead(SolidRole role, const Vec3& ws, const Vec3& direction, double begin) const;
     static bool goesOn(Rgb& weight, Random& random);
-    bool scatter(const Vec3& ws, Vec3& direction, bool first, Rgb& weight, Rgb& sum, Random& random) const;
+    bool scatter(const Vec3& ws, Vec3& direction, bool first, bool& once, Rgb& weight, Rgb& sum, Random& random) const;
     bool sendBack(const SolidHit& hit, Vec3& ws, Vec3& direction, Rgb& weight, Rgb& sum, Random& random) const;
 
     const ViewScene& m_scene;

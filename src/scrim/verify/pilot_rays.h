@@ -7,8 +7,12 @@
 
 namespace scrim {
 
-/// A rough relative RMSE that texels of one voxel leave along `rays` rays over the whole picture. It serves to compare
-/// scenes. 0 where nothing is visible.
+/// Ray `i` of a pilot: its place in the unit square of the picture, and a number in [0, 1) that shifts its steps. An
+/// additive recurrence spreads the rays evenly and is the same in every run.
+Vec3 pilotPlace(int i);
+
+/// A rough relative RMSE that texels of one voxel leave along `rays` rays over the whole picture, or up to 384 where
+/// these disagree. It serves to compare scenes. 0 where nothing is visible.
 double pilotError(const ViewScene& scene, int rays);
 
 }  // namespace scrim

@@ -5,8 +5,10 @@
 #pragma once
 
 #include <scrim/scene/view_scene.h>
+#include <scrim/verify/scatter_pilot.h>
 #include <scrim/verify/tolerance.h>
 
+#include <optional>
 #include <string>
 
 namespace scrim {
@@ -17,6 +19,12 @@ struct PromisedDials {
     Dials dials;
     /// Relative RMSE; expected > promised: none of the dials tried keeps the promise.
     double promised = 0, expected = 0;
+    /// The same of multiply scattered light, and the dials that are chosen for it. None: light scatters once.
+    struct Scattering {
+        double promised = 0;
+        ScatterChoice choice = {};
+    };
+    std::optional<Scattering> scattering = {};
 };
 
 /// How obliquely eye rays and lights pass the sheets between them: the tangent of half the angle between an eye ray and
@@ -33,7 +41,11 @@ ToleranceModel expectedModel(double pilot, double slant, bool classified);
 PromisedDials dialsFor(const Dials& dials, const ToleranceModel& model, double promised,
                        double finest = kFinestPromised);
 
-/// `scene.dials` with the cheapest texels and sheets that should keep the promise of preset `quality`.
+/// Sets the dials of multiply scattered light that `choice` has, but for those that `dials` states.
+void setScattering(Dials& dials, const ScatterChoice& choice);
+
+/// `scene.dials` with the cheapest texels and sheets that should keep the promise of preset `quality`, and the cheapest
+/// cells and directions of multiply scattered light.
 PromisedDials promisedDials(const ViewScene& scene, const std::string& quality);
 
 }  // namespace scrim

@@ -26,13 +26,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlidePixels = 0.5;
 constexpr double kMostSlideSteps = 64;
 
-double most(const Rgb& v) {
-    return std::max({v.x, v.y, v.z});
-}
-double least(const Rgb& v) {
-    return std::min({v.x, v.y, v.z});
-}
-
 // Two random numbers in [0, 1) that depend only on the place and the light, so that every evaluation gives the same
 // result.
 Vec2 lotOf(const Vec3& ws, std::size_t light) {
@@ -53,10 +46,13 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
     m_wsBounds = wsBounds(scene);
     m_lights = lightsSent(scene.lights);
     // The error of n x n rays shrinks at least as 1 / n^2, and samples along an eye ray have independent errors.
+    // From a mesh to the next triangle the light jumps, so that it takes more.
     constexpr int kFewest = 6, kMost = 24;
+    const bool mesh = std::ranges::any_of(
+        scene.lights, [](const Light& light) { return light.area() && light.area()->shape == AreaShape::mesh; });
     if (m_options.lightRays == 0)
-        m_options.lightRays =
-            std::clamp(static_cast<int>(std::lround(0.8 / std::sqrt(scene.dials.lightError))), kFewest, kMost);
+        m_options.lightRays = std::clamp(
+            static_cast<int>(std::lround((mesh ? 1.2 : 0.8) / std::sqrt(scene.dials.lightError))), kFewest, kMost);
     FieldSamplers own;
     for (const ViewVolume& volume : scene.volumes)
         m_volumes.emplace_back(volume, scene.dials.kernel, shared ? *shared : own);
@@ -98,37 +94,8 @@ Rgb Reference::extinction(const Vec3& ws) const {
     return sum;
 }
 
-// A distance within which all fields are 0; 0 where none is known.
-double Reference::emptyDistance(const Vec3& ws) const {
-    double distance = kInfinity;
-    for (const VolumeOptics& v : m_volumes) {
-        distance = std::min(distance, v.emptyDistance(ws));
-        if (distance == 0) break;
-    }
-    return distance;
-}
-
-Rgb Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
-    const double length = glm::distance(a, b);
-    if (length == 0 || m_volumes.empty()) return Rgb(0);
-    const Vec3 direction = (b - a) / length;
-    const auto [begin, end] = m_wsBounds.clip(a, direction, 0, length);
-    // Two-point Gauss quadrature for each step; it is exact for the cubics that a trilinear field forms within a cell.
-    const double gauss = 0.5 / std::sqrt(3.0);
-    Rgb tau(0);
-    for (double t = begin; t < end;) {
-        if (const double empty = emptyDistance(a + t * direction); empty > 0) {
-            t += empty;
-            continue;
-        }
-        const double step = std::min(m_step, end - t);
-        const Vec3 middle = a + (t + 0.5 * step) * direction;
-        const Rgb lower = extinction(middle - gauss * step * direction);
-        const Rgb upper = extinction(middle + gauss * step * direction);
-        tau += 0.5 * step * (lower + upper);
-        t += step;
-    }
-    return tau;
+Rgb Reference::opticalDepth(const Vec3& a, const Vec3& b, std::optional<std::size_t> light) const {
+    return scrim::opticalDepth(m_volumes, m_wsBounds, m_step, a, b, light);
 }
 
 // Reflected radiance per world unit and unit of irradiance (ZC02 eq. 3).
@@ -161,31 +128,56 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
     Rgb tau(0);
     if (light.shadows) {
         if (blocked(ws, -arriving.travel, arriving.distance)) return Rgb(0);
-        tau = opticalDepth(light.distant() ? farAway(ws, -arriving.travel) : light.wsPosition, ws);
+        tau = opticalDepth(light.distant() ? farAway(ws, -arriving.travel) : light.wsPosition, ws, index);
     }
     return arriving.irradiance * towardsEye(index, ws, arriving.travel, eye, tau);
 }
 
-// As `scatter`, for an extended light. It sends n x n rays through the square of the light's rays. An additive
-// recurrence spreads them evenly (M. Roberts' R2), and one random offset per sample shifts them all, so that their
-// errors average out along the eye ray.
-Rgb Reference::scatterExtended(std::size_t index, const Vec3& ws, const Vec3& eye) const {
+// n x n rays through the square of an extended light's rays. An additive recurrence spreads them evenly (M. Roberts'
+// R2), and one random offset per sample shifts them all, so that their errors average out along the eye ray.
+std::vector<LightRay> Reference::raysTo(std::size_t index, const Vec3& ws) const {
     const int n = m_options.lightRays;
     const Vec2 offset = lotOf(ws, index);
-    Rgb sum(0);
+    std::vector<LightRay> rays;
     for (int i = 0; i < n * n; ++i) {
         const Vec2 place = glm::fract(offset + double(i) * Vec2(0.7548776662466927, 0.5698402909980532));
-        const LightRay ray = std::get<LightRays>(m_lights[index]).ray(ws, place);
-        if (ray.weight == Rgb(0)) continue;
+        rays.push_back(std::get<LightRays>(m_lights[index]).ray(ws, place));
+        if (rays.back().weight == Rgb(0)) rays.pop_back();
+    }
+    return rays;
+}
+
+Rgb Reference::depthTowards(std::size_t index, const Vec3& ws, const LightRay& ray) const {
+    return opticalDepth(std::isinf(ray.distance) ? farAway(ws, ray.toLight) : ws + ray.distance * ray.toLight, ws,
+                        index);
+}
+
+// As `scatter`, for an extended light.
+Rgb Reference::scatterExtended(std::size_t index, const Vec3& ws, const Vec3& eye) const {
+    Rgb sum(0);
+    for (const LightRay& ray : raysTo(index, ws)) {
         Rgb tau(0);
         if (m_scene.lights[index].shadows) {
             if (blocked(ws, ray.toLight, ray.distance)) continue;
-            tau =
-                opticalDepth(std::isinf(ray.distance) ? farAway(ws, ray.toLight) : ws + ray.distance * ray.toLight, ws);
+            tau = depthTowards(index, ws, ray);
         }
         sum += ray.weight * towardsEye(index, ws, -ray.toLight, eye, tau);
     }
-    return sum / double(n * n);
+    return sum / double(m_options.lightRays * m_options.lightRays);
+}
+
+Rgb Reference::arriving(std::size_t index, const Vec3& ws) const {
+    const Light& light = m_scene.lights[index];
+    if (!light.shadows) return Rgb(1);
+    if (!light.extended())
+        return glm::exp(-opticalDepth(light.distant() ? farAway(ws, -light.wsDirection) : light.wsPosition, ws, index));
+    Rgb sum(0), all(0);
+    for (const LightRay& ray : raysTo(index, ws)) {
+        all += ray.weight;
+        sum += ray.weight * glm::exp(-depthTowards(index, ws, ray));
+    }
+    for (int c = 0; c < 3; ++c) sum[c] = all[c] > 0 ? sum[c] / all[c] : 1;
+    return sum;
 }
 
 // Radiance per world unit and unit of irradiance that the volumes send along `eye`, from light that arrives along
@@ -220,7 +212,7 @@ Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
         out.seen += own;
         out.source += v.emission(ws);
     }
-    if (most(out.seen) == 0) return out;
+    if (largest(out.seen) == 0) return out;
     for (std::size_t i = 0; i < m_scene.lights.size(); ++i)
         out.source += m_scene.lights[i].extended() ? scatterExtended(i, ws, eye) : scatter(i, ws, eye);
     for (const VolumeOptics& v : m_volumes) {
@@ -252,8 +244,8 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     end = std::min(end, held.end());
     const double gauss = 0.5 / std::sqrt(3.0);
     Rgb radiance(0), tau(0), shown(0);
-    for (double t = begin; t < end && std::exp(-least(tau)) > m_options.leastTransmittance;) {
-        if (const double empty = emptyDistance(origin + t * direction); empty > 0) {
+    for (double t = begin; t < end && std::exp(-smallest(tau)) > m_options.leastTransmittance;) {
+        if (const double empty = emptyDistance(m_volumes, origin + t * direction); empty > 0) {
             t += empty;
             continue;
         }
@@ -261,9 +253,9 @@ std::array<double, 4> Reference::ray(double x, double y) const {
         double step = slideStep(origin + t * direction, direction, std::min(m_step, end - t));
         step = held.limited(t, lampStep(origin + t * direction, step), m_options.mostTau);
         for (int halvings = 0; halvings < 40; ++halvings) {
-            const double densest = std::max({most(extinction(origin + t * direction)),
-                                             most(extinction(origin + (t + 0.5 * step) * direction)),
-                                             most(extinction(origin + (t + step) * direction))});
+            const double densest = std::max({largest(extinction(origin + t * direction)),
+                                             largest(extinction(origin + (t + 0.5 * step) * direction)),
+                                             largest(extinction(origin + (t + step) * direction))});
             if (densest * step <= m_options.mostTau) break;
             step = std::max(0.5 * step, m_options.mostTau / densest);
             if (step * densest <= m_options.mostTau * 1.0001) break;

@@ -15,6 +15,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace scrim {
@@ -43,8 +44,13 @@ class Reference {
     /// Mean over the n x n rays of pixel (x, y), where n is the scene's antialias dial.
     std::array<double, 4> pixel(int x, int y) const;
 
-    /// Optical depth of each channel between two points in world space.
-    Rgb opticalDepth(const Vec3& wsA, const Vec3& wsB) const;
+    /// Optical depth of each colour between two points in world space: of all volumes, or of those that cast shadows in
+    /// light `light` of the scene.
+    Rgb opticalDepth(const Vec3& wsA, const Vec3& wsB, std::optional<std::size_t> light = {}) const;
+
+    /// The fraction of the light of light `light` of the scene that arrives at `ws` through all volumes. Solids do not
+    /// count.
+    Rgb arriving(std::size_t light, const Vec3& ws) const;
 
     /// Radiance per world unit of path at `ws`, scattered and emitted, for an eye ray of direction `wsDirection` (unit,
     /// away from the eye), and the extinction there.
@@ -57,10 +63,11 @@ class Reference {
 
   private:
     Rgb extinction(const Vec3& ws) const;
-    double emptyDistance(const Vec3& ws) const;
     Rgb reflect(const VolumeOptics& volume, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const;
     double slideStep(const Vec3& ws, const Vec3& wsDirection, double step) const;
     double lampStep(const Vec3& ws, double step) const;
+    std::vector<LightRay> raysTo(std::size_t light, const Vec3& ws) const;
+    Rgb depthTowards(std::size_t light, const Vec3& ws, const LightRay& ray) const;
     bool blocked(const Vec3& ws, const Vec3& toLight, double distance) const;
     Rgb scatter(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;
     Rgb scatterExtended(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;

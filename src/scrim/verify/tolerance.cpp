@@ -6,10 +6,12 @@
 #include <scrim/engine/sweep.h>
 #include <scrim/engine/plan/make_plan.h>
 #include <scrim/base/timed.h>
+#include <scrim/verify/scatter_pilot.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace scrim {
 namespace {
@@ -29,6 +31,35 @@ ViewScene litWithin(const ViewScene& scene, double tolerance) {
     ViewScene out = scene;
     out.dials.lightError = std::min(scene.dials.lightError, tolerance / 2);
     return out;
+}
+
+// Multiply scattered light may take this part of the tolerance, and cells shrink by this factor with each attempt.
+constexpr double kOfScattering = 0.6, kFinerCells = 0.6;
+
+// The dials of multiply scattered light for attempt number `attempt`, but for those that the scene states.
+void scatterWithin(const std::optional<ScatterPilot>& pilot, const ViewScene& given, double tolerance, int attempt,
+                   Dials& dials) {
+    if (!pilot) return;
+    const ScatterChoice choice = chooseScattering(*pilot, given.dials, kOfScattering * tolerance);
+    dials.scatterDirections = choice.directions;
+    dials.scatterCell =
+        given.dials.scatterCell.value_or(std::max(choice.cell * std::pow(kFinerCells, attempt), kFinestScatterCell));
+}
+
+// True if `a` has any finer dial than `b`.
+bool finer(const Dials& a, const Dials& b) {
+    return a.texel < b.texel || a.sheetThickness < b.sheetThickness || a.scatterCell < b.scatterCell;
+}
+
+// The pixels of an attempt's verification.
+SampleOptions samplingOf(const ToleranceOptions& options, int attempt, const ProgressSink& progress) {
+    SampleOptions sampling;
+    sampling.count = options.pixels;
+    sampling.seed = options.seed + static_cast<unsigned>(attempt);
+    sampling.seconds = options.seconds;
+    sampling.progress = progress;
+    if (attempt == 0) sampling.announce = options.announce;
+    return sampling;
 }
 
 ViewScene turned(const ViewScene& scene, double texel, double thickness) {
@@ -122,12 +153,16 @@ void runPilots(std::array<Pilot, 2>& pilots, const ViewScene& scene, const ViewS
 }
 
 ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth, const ToleranceOptions& options) {
-    const ViewScene scene = litWithin(given, options.tolerance), truth = litWithin(givenTruth, options.tolerance);
+    ViewScene scene = litWithin(given, options.tolerance);
+    const ViewScene truth = litWithin(givenTruth, options.tolerance);
     // Fractions of progress: pilots of the whole, rendering of an attempt.
     constexpr double kPiloted = 0.3, kRendered = 0.2;
     ToleranceResult out;
     std::array<Pilot, 2> pilots = pilotsFor(options.tolerance);
+    std::optional<ScatterPilot> scattered;
     timed(out.seconds.pilots, [&] {
+        scattered = scatterPilot(scene);
+        scatterWithin(scattered, given, options.tolerance, 0, scene.dials);
         ViewScene moment = truth;
         moment.moments = nullptr;
         runPilots(pilots, scene, moment, options.pilotPixels, options.seed + kPilotSeed,
@@ -146,9 +181,9 @@ ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth
         ToleranceChoice choice;
         bool isFiner = true;
         timed(out.seconds.plan, [&] {
+            scatterWithin(scattered, given, options.tolerance, attempt, scene.dials);
             choice = chooseDials(scene, model, wanted, kAim, partOf(options.progress, from, from));
-            isFiner = attempt == 0 || choice.dials.texel < out.dials.texel ||
-                      choice.dials.sheetThickness < out.dials.sheetThickness;
+            isFiner = attempt == 0 || finer(choice.dials, out.dials);
             tried.dials = choice.dials;
             if (isFiner) out.plan = makePlan(tried, threadCount(), partOf(options.progress, from, from));
         });
@@ -159,12 +194,7 @@ ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth
         out.predicted = choice.predicted;
         timed(out.seconds.render, [&] { out.frame = make(out.plan, partOf(options.progress, from, rendered)); });
 
-        SampleOptions sampling;
-        sampling.count = options.pixels;
-        sampling.seed = options.seed + static_cast<unsigned>(attempt);
-        sampling.seconds = options.seconds;
-        sampling.progress = partOf(options.progress, rendered, to);
-        if (attempt == 0) sampling.announce = options.announce;
+        const SampleOptions sampling = samplingOf(options, attempt, partOf(options.progress, rendered, to));
         PixelSample& sample = out.sample;
         timed(out.seconds.verify, [&] { sample = samplePixels(truth, out.frame.image, sampling); });
         out.verification = summarise(sample);

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/scene/quality.h>
 #include <scrim/verify/moments_reference.h>
 #include <scrim/verify/verify_pixels.h>
 
@@ -54,8 +55,8 @@ class RelativeError {
     /// among many.
     std::array<double, 2> interval(double confidence, double scale) const;
     /// The same for a noisy reference whose variance was subtracted from the squares: noise dominates their spread, and
-    /// their sum may even be negative.
-    std::array<double, 2> noisyInterval(double confidence, double scale) const;
+    /// their sum may even be negative. Noise remains where all pixels were examined.
+    std::array<double, 2> noisyInterval(double confidence) const;
 
   private:
     struct Value {
@@ -117,14 +118,14 @@ std::array<double, 2> RelativeError::interval(double confidence, double scale) c
 }
 
 // Bootstrap of the mean square (Efron and Tibshirani, ch. 13), which may have either sign.
-std::array<double, 2> RelativeError::noisyInterval(double confidence, double scale) const {
+std::array<double, 2> RelativeError::noisyInterval(double confidence) const {
     const auto n = m_terms.size();
     double square = 0, mean = 0;
     for (const Term& t : m_terms) {
         square += t.square / double(n);
         mean += t.mean / double(n);
     }
-    if (!(mean > 0) || !std::isfinite(square) || scale == 0 || n < 2) return interval(confidence, scale);
+    if (!(mean > 0) || !std::isfinite(square) || n < 2) return interval(confidence, 1);
     constexpr int kCount = 1000;
     std::mt19937_64 random(1);
     std::vector<double> drawn(kCount, 0.0);
@@ -132,7 +133,7 @@ std::array<double, 2> RelativeError::noisyInterval(double confidence, double sca
         for (std::size_t i = 0; i < n; ++i) sum += m_terms[random() % n].square / double(n);
     std::sort(drawn.begin(), drawn.end());
     const double tail = 0.5 * (1 - confidence);
-    const auto farFrom = [&](double part) { return scale * (drawn[std::size_t(part * (kCount - 1))] - square); };
+    const auto farFrom = [&](double part) { return drawn[std::size_t(part * (kCount - 1))] - square; };
     // Squares have long tails, so each end uses the larger distance that resamples reach on either side.
     const double away = std::max(farFrom(1 - tail), -farFrom(tail));
     return {std::sqrt(std::max(square - away, 0.0)) / mean, std::sqrt(std::max(square, 0.0) + away) / mean};
@@ -181,8 +182,7 @@ Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidat
     v.error = ofColour.value();
     v.alphaError = ofAlpha.value();
     const double scale = std::sqrt(left);
-    std::array<double, 2> ends =
-        noisy ? ofColour.noisyInterval(confidence, scale) : ofColour.interval(confidence, scale);
+    std::array<double, 2> ends = noisy ? ofColour.noisyInterval(confidence) : ofColour.interval(confidence, scale);
     const std::array<double, 2> alphaEnds = ofAlpha.interval(confidence, scale);
     v.alphaUpper = alphaEnds[1];
     if (brightest == 0 && v.alphaError > v.error) {
@@ -196,13 +196,18 @@ Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidat
 
 }  // namespace
 
+int verifiedEdge(const ViewScene& truth) {
+    return std::any_of(truth.volumes.begin(), truth.volumes.end(), scattersFully) ? kScatteringMean : 1;
+}
+
 PixelSample samplePixels(const ViewScene& truth, const Image& image, const SampleOptions& options) {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     const auto spent = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
     PixelSample sample;
     if (options.count <= 0) return sample;
-    const std::vector<Int2> order = verificationOrder(truth, image, options.seed);
+    const int edge = verifiedEdge(truth);
+    const std::vector<Int2> order = verificationOrder(truth, image, options.seed, edge);
     sample.candidates = order.size();
     MomentsReference reference(truth);
     const auto wanted = std::size_t(options.count);
@@ -212,7 +217,8 @@ PixelSample samplePixels(const ViewScene& truth, const Image& image, const Sampl
     double brightest = 0;
     for (std::size_t first = 0; first < order.size() && counted < wanted; first += kPixelsPerStep) {
         const std::size_t step = std::min(kPixelsPerStep, order.size() - first);
-        for (std::size_t i = first; i < first + step; ++i) sample.pixels.push_back({order[i].x, order[i].y, {}, {}});
+        for (std::size_t i = first; i < first + step; ++i)
+            sample.pixels.push_back({order[i].x, order[i].y, {}, {}, {}, edge});
         const std::span<VerifiedPixel> fresh = std::span(sample.pixels).subspan(first);
         reference.evaluate(fresh);
         setRendered(fresh, image);
@@ -270,9 +276,15 @@ void evaluateReferences(const ViewScene& truth, std::span<VerifiedPixel> pixels,
 void setRendered(std::span<VerifiedPixel> pixels, const Image& image) {
     for (VerifiedPixel& p : pixels) {
         p.rendered = {};
-        if (!image.window.contains(p.x, p.y)) continue;
-        const float* rgba = image.rgba.data() + image.indexOf(p.x, p.y);
-        std::copy(rgba, rgba + 4, p.rendered.begin());
+        int count = 0;
+        for (int y = p.y; y < p.y + p.edge; ++y)
+            for (int x = p.x; x < p.x + p.edge; ++x) {
+                if (!image.window.contains(x, y)) continue;
+                ++count;
+                const float* rgba = image.rgba.data() + image.indexOf(x, y);
+                for (std::size_t c = 0; c < 4; ++c) p.rendered[c] += double(rgba[c]);
+            }
+        for (double& value : p.rendered) value /= std::max(count, 1);
     }
 }
 

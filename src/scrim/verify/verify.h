@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/image/image.h>
 #include <scrim/scene/view_scene.h>
 
@@ -15,12 +16,18 @@
 
 namespace scrim {
 
-/// One pixel, rendered and true: premultiplied RGBA.
+/// One pixel, or the mean over a square of pixels, rendered and true: premultiplied RGBA.
 struct VerifiedPixel {
-    int x = 0, y = 0;
+    int x = 0, y = 0;  ///< of a square the corner with the least coordinates
     std::array<double, 4> rendered{}, reference{};
     std::array<double, 3> variance{};  ///< of the reference, where it is a mean of random numbers
+    /// Pixels along an edge of the square. Pixels outside of the region do not belong to it.
+    int edge = 1;
 };
+
+/// The edge of the squares that a verification of `truth` examines: kScatteringMean where light scatters more than
+/// once, since such light is smooth and its reference is noisy; else 1.
+int verifiedEdge(const ViewScene& truth);
 
 /// Relative RMSE over the pixels that count: those where the reference or the picture has an alpha above 1e-3, or light
 /// above a thousandth of the reference's brightest. The error is the RMS of the difference over R, G and B, divided by
@@ -64,9 +71,9 @@ struct SampleOptions {
     std::function<bool(const PixelSample&)> enough = {};
 };
 
-/// Draws pixels (see verificationOrder) until `count` of them count or none is left, and evaluates their references.
-/// `image` is in the working space; `truth` is its scene with all volumes, including those that a render leaves out.
-/// Throws Error(interrupted) if `progress` returns false.
+/// Draws pixels, or squares of verifiedEdge() (see verificationOrder) until `count` of them count or none is left, and
+/// evaluates their references. `image` is in the working space; `truth` is its scene with all volumes, including those
+/// that a render leaves out. Throws Error(interrupted) if `progress` returns false.
 PixelSample samplePixels(const ViewScene& truth, const Image& image, const SampleOptions& options);
 PixelSample samplePixels(const ViewScene& truth, const Image& image, int count, unsigned seed,
                          const ProgressSink& progress = {});
@@ -76,6 +83,15 @@ void evaluateReferences(const ViewScene& truth, std::span<VerifiedPixel> pixels,
 
 /// Fills in the values of `image`, another rendering of the same region.
 void setRendered(std::span<VerifiedPixel> pixels, const Image& image);
+
+/// How far the layers `shadow` of a frame are from brute force, at pixels that show solids which catch shadows.
+struct CaughtDifference {
+    int values = 0;             ///< of layers at pixels
+    double rms = 0, worst = 0;  ///< of the differences; the values themselves are from 0 to 1
+};
+
+/// Looks at up to `pixels` such pixels, which are spread evenly.
+CaughtDifference differenceOfCaught(const ViewScene& truth, const Frame& frame, int pixels);
 
 /// The pixels of a sample that count (see Verification), in its order.
 std::vector<VerifiedPixel> countedPixels(const PixelSample& sample);

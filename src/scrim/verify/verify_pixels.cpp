@@ -62,6 +62,12 @@ bool shows(const Image& image, int x, int y) {
     return std::any_of(rgba, rgba + 4, [](float v) { return v != 0; });  // a NaN counts as shown
 }
 
+// The corner of the square that holds a pixel.
+Int2 squareCorner(const Int2& pixel, int edge) {
+    const auto down = [&](int v) { return v - ((v % edge) + edge) % edge; };
+    return {down(pixel.x), down(pixel.y)};
+}
+
 // Spreads the bits of x to the even places.
 std::uint64_t spread(std::uint32_t x) {
     std::uint64_t v = x;
@@ -86,7 +92,7 @@ std::uint64_t scrambledPoint(std::uint64_t i, int bits, std::uint64_t seed) {
 
 }  // namespace
 
-std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, unsigned seed) {
+std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, unsigned seed, int edge) {
     const PixelWindow& region = truth.region;
     std::vector<BoxTest> tests = boxTests(truth);
     if (truth.moments) {
@@ -114,12 +120,14 @@ std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, 
     });
     std::vector<Int2> alongCurve;
     for (std::size_t row = 0; row < rows.size(); ++row)
-        for (const int x : rows[row]) alongCurve.emplace_back(x, region.y0 + static_cast<int>(row));
+        for (const int x : rows[row]) alongCurve.push_back(squareCorner({x, region.y0 + static_cast<int>(row)}, edge));
+    const Int2 first = squareCorner({region.x0, region.y0}, edge);
     const auto place = [&](const Int2& p) {
-        return spread(static_cast<std::uint32_t>(p.x - region.x0)) | spread(static_cast<std::uint32_t>(p.y - region.y0))
-                                                                         << 1;
+        const Int2 at = (p - first) / edge;
+        return spread(static_cast<std::uint32_t>(at.x)) | spread(static_cast<std::uint32_t>(at.y)) << 1;
     };
     std::sort(alongCurve.begin(), alongCurve.end(), [&](const Int2& a, const Int2& b) { return place(a) < place(b); });
+    alongCurve.erase(std::unique(alongCurve.begin(), alongCurve.end()), alongCurve.end());
 
     const std::size_t count = alongCurve.size();
     const int bits = count > 1 ? static_cast<int>(std::bit_width(count - 1)) : 0;

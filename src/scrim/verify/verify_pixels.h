@@ -17,6 +17,9 @@ namespace scrim {
 /// is a van der Corput sequence scrambled with `seed` (A. Owen, 1995), along a Z-shaped curve through the pixels.
 /// Therefore the probability that the first N pixels contain none of a set that is a fraction f of all is at most about
 /// (1 - f)^N.
-std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, unsigned seed);
+///
+/// With an `edge` above 1, the same for the squares of `edge` x `edge` pixels that may show something. They cover the
+/// picture, and each is given by its corner, whose coordinates are multiples of `edge`.
+std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, unsigned seed, int edge = 1);
 
 }  // namespace scrim

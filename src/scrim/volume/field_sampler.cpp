@@ -59,8 +59,8 @@ Vec3 FieldSampler::difference(const Vec3& is) const {
 // Interpolates between the eight voxels around `is`. Only the cubes that contain some of the eight are looked up, once
 // each.
 double FieldSampler::linear(const Vec3& is) const {
-    const Vec3 floor = glm::floor(is), f = is - floor;
-    const Int3 base(floor), cube = base >> 3;
+    const Int3 base = wholeBelow(is), cube = base >> 3;
+    const Vec3 f = is - Vec3(base);
     int across = 0;  // one bit for each axis along which the eight lie in two cubes: x is 4, z is 1
     for (int axis = 0; axis < 3; ++axis)
         if ((base[axis] & 7) == 7) across |= 4 >> axis;
@@ -147,6 +147,37 @@ void FieldBrick::copy(const BlockIndex::Place& place, const Int3& cube) {
 
 Vec3 FieldBrick::difference(const Vec3& is) const {
     return differenceOf(*this, is);
+}
+
+void FieldBrick::values(const std::array<const float*, 3>& from, int count, float* values) const {
+    const std::ptrdiff_t y = m_size.z, x = std::ptrdiff_t(m_size.y) * m_size.z;
+    const auto between = [](float a, float b, float t) { return a + t * (b - a); };
+    for (int i = 0; i < count; ++i) {
+        const int base[3] = {static_cast<int>(from[0][i]), static_cast<int>(from[1][i]), static_cast<int>(from[2][i])};
+        float f[3];
+        for (int axis = 0; axis < 3; ++axis) f[axis] = from[std::size_t(axis)][i] - static_cast<float>(base[axis]);
+        const float* at = m_values.data() + base[0] * x + base[1] * y + base[2];
+        const auto along = [&](const float* p) { return between(p[0], p[1], f[2]); };
+        const auto across = [&](const float* p) { return between(along(p), along(p + y), f[1]); };
+        values[i] = between(across(at), across(at + x), f[0]);
+    }
+}
+
+void FieldBrick::addBlock(const Vec3& f, float sign, float* values) const {
+    constexpr int kEdge = kBlockEdge, kWide = kBlockEdge + 1;
+    const auto fx = static_cast<float>(f.x), fy = static_cast<float>(f.y), fz = static_cast<float>(f.z);
+    float along[kWide * kWide * kEdge], across[kWide * kEdge * kEdge];
+    for (int row = 0; row < kWide * kWide; ++row) {
+        const float* from = m_values.data() + row * kWide;
+        for (int z = 0; z < kEdge; ++z) along[row * kEdge + z] = from[z] + fz * (from[z + 1] - from[z]);
+    }
+    for (int x = 0; x < kWide; ++x) {
+        const float* from = along + x * kWide * kEdge;
+        for (int i = 0; i < kEdge * kEdge; ++i)
+            across[x * kEdge * kEdge + i] = from[i] + fy * (from[i + kEdge] - from[i]);
+    }
+    for (int i = 0; i < kBlockVoxels; ++i)
+        values[i] += sign * (across[i] + fx * (across[i + kEdge * kEdge] - across[i]));
 }
 
 }  // namespace scrim

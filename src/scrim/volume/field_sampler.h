@@ -6,6 +6,7 @@
 #include <scrim/volume/block_index.h>
 #include <scrim/volume/kernel.h>
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -78,6 +79,13 @@ class FieldBrick {
     }
     /// As FieldSampler::difference.
     Vec3 difference(const Vec3& is) const;
+
+    /// In single precision: the values at `count` points with these coordinates, which are not negative and count from
+    /// the first voxel of the box.
+    void values(const std::array<const float*, 3>& from, int count, float* values) const;
+    /// In single precision: adds `sign` times the values at the points i + f, for all i of a block in blockOffset order
+    /// and one f in [0, 1). Points count from the first voxel of the box, which must be 9 voxels wide.
+    void addBlock(const Vec3& f, float sign, float* values) const;
 
   private:
     std::ptrdiff_t offset(const Int3& is) const {

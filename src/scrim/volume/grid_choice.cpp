@@ -25,13 +25,6 @@ std::pair<std::size_t, std::size_t> placeAmongEqual(const std::vector<GridOffer>
     return {before, all};
 }
 
-/// The name by which a request finds grid i.
-std::string callName(const std::vector<GridOffer>& offers, std::size_t i) {
-    const std::string& name = offers[i].name;
-    const auto [before, all] = placeAmongEqual(offers, i);
-    return all == 1 && !name.empty() ? name : fmt::format("{}[{}]", name, before);
-}
-
 std::string listOf(const std::vector<GridOffer>& offers) {
     std::string list;
     for (std::size_t i = 0; i < offers.size(); ++i)
@@ -131,6 +124,16 @@ std::optional<GridChoice> chooseGrid(const std::vector<GridOffer>& offers, const
     const auto i = request.grid.empty() ? defaultGrid(offers) : named(offers, request.grid, anyGrid);
     if (!i || !offers[*i].isScalar()) return {};
     return GridChoice{*i};
+}
+
+std::string callName(const std::vector<GridOffer>& offers, std::size_t i) {
+    const std::string& name = offers[i].name;
+    const auto [before, all] = placeAmongEqual(offers, i);
+    return all == 1 && !name.empty() ? name : fmt::format("{}[{}]", name, before);
+}
+
+std::optional<std::size_t> chooseNamed(const std::vector<GridOffer>& offers, const std::string& name) {
+    return named(offers, name, anyGrid);
 }
 
 std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& request) {

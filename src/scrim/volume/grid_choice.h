@@ -42,6 +42,12 @@ struct GridChoice {
 /// colour see GridRequest; it accepts "name[i]", too.
 std::optional<GridChoice> chooseGrid(const std::vector<GridOffer>& offers, const GridRequest& request);
 
+/// The grid of any type called `name`, or "name[i]"; no value if there is none.
+std::optional<std::size_t> chooseNamed(const std::vector<GridOffer>& offers, const std::string& name);
+
+/// The name by which a request finds grid `i`: "density", or "density[1]" where the name is not unique.
+std::string callName(const std::vector<GridOffer>& offers, std::size_t i);
+
 /// Why `chooseGrid` finds nothing: which grids there are and what was expected.
 std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& request);
 

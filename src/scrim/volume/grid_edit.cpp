@@ -22,6 +22,25 @@ Vec3 vectorFrom(const Json& j) {
     return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
 }
 
+Json toJson(const CombinedGrid& grid) {
+    Json parts = Json::array();
+    for (const CombinedGrid::Part& part : grid.parts)
+        parts.push_back({{"file", part.file}, {"grid", part.grid}, {"where", part.where}});
+    return {{"name", grid.name}, {"how", static_cast<int>(grid.how)}, {"parts", parts}};
+}
+
+CombinedGrid combinedGridFrom(const Json& j, std::size_t files) {
+    CombinedGrid grid{j.at("name").get<std::string>(), static_cast<CombinedGrid::How>(j.at("how").get<int>()), {}};
+    for (const Json& part : j.at("parts")) {
+        grid.parts.push_back({part.at("file").get<std::size_t>(), part.at("grid").get<std::string>(),
+                              part.at("where").get<std::string>()});
+        if (grid.parts.back().file >= files)
+            throw Error(ErrorKind::usage, "not an edit of grids: there is no such file");
+    }
+    if (grid.parts.empty()) throw Error(ErrorKind::usage, "not an edit of grids: a grid has no parts");
+    return grid;
+}
+
 bool isNamePart(char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
@@ -36,7 +55,8 @@ std::string AxCode::placeOf(int axLine, int axColumn) const {
 }
 
 std::string toText(const GridEdit& edit) {
-    Json programs = Json::array(), variables = Json::array();
+    Json programs = Json::array(), variables = Json::array(), grids = Json::array();
+    for (const CombinedGrid& grid : edit.grids) grids.push_back(toJson(grid));
     for (const AxCode& code : edit.programs)
         programs.push_back({{"text", code.text},
                             {"where", code.where},
@@ -45,11 +65,8 @@ std::string toText(const GridEdit& edit) {
                             {"column", code.column}});
     for (const AxVariable& variable : edit.variables)
         variables.push_back({{"name", variable.name}, {"value", variable.value}});
-    Json out{{"resample", edit.resample},
-             {"density", edit.density},
-             {"programs", programs},
-             {"variables", variables},
-             {"where", edit.where}};
+    Json out{{"grids", grids},       {"files", edit.files},    {"resample", edit.resample}, {"density", edit.density},
+             {"programs", programs}, {"variables", variables}, {"where", edit.where}};
     if (edit.clip) out["clip"] = {toJson(edit.clip->lower), toJson(edit.clip->upper)};
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -58,6 +75,8 @@ GridEdit gridEditFrom(const std::string& text) {
     try {
         const Json j = Json::parse(text);
         GridEdit edit;
+        edit.files = j.at("files").get<std::vector<std::string>>();
+        for (const Json& grid : j.at("grids")) edit.grids.push_back(combinedGridFrom(grid, edit.files.size()));
         if (j.contains("clip")) edit.clip = Bounds{vectorFrom(j.at("clip").at(0)), vectorFrom(j.at("clip").at(1))};
         edit.resample = j.at("resample").get<double>();
         edit.density = j.at("density").get<std::string>();

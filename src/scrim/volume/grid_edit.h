@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene does to the grids of a volume before they become fields: cutting, refining, expressions in OpenVDB AX.
+// What a scene does to the grids of a volume before they become fields: putting them together from several files,
+// cutting, refining, expressions in OpenVDB AX.
 // This is the description alone; GridEditor (grid_editor.h) carries it out.
 #pragma once
 
@@ -35,8 +36,32 @@ struct AxCode {
     std::string placeOf(int axLine, int axColumn) const;
 };
 
+/// A grid that is put together from grids of files.
+struct CombinedGrid {
+    /// How the parts become one. A voxel that a part does not have counts as 0.
+    enum class How { copied, max, add, multiply };
+    struct Part {
+        std::size_t file = 0;  ///< index into GridEdit::files
+        std::string grid;      ///< name, or "name[i]"; "": the one called as the combined grid, or else the only one
+        std::string where;     ///< where the scene names it
+
+        bool operator==(const Part&) const = default;
+    };
+    std::string name;
+    How how = How::copied;    ///< `copied` has one part
+    std::vector<Part> parts;  ///< at least one; the voxels of all become like those of the first
+
+    bool operator==(const CombinedGrid&) const = default;
+};
+
+/// The most files that one volume may be put together from.
+inline constexpr std::size_t kMostGridFiles = 32;
+
 /// Everything is done in the order of the members.
 struct GridEdit {
+    /// The grids that the volume has, in place of those of its file; empty: all of its file.
+    std::vector<CombinedGrid> grids = {};
+    std::vector<std::string> files = {};  ///< their files, the first of which is the volume's own
     /// Voxels outside of this box are left out unless something in it depends on them; in world units of the asset.
     std::optional<Bounds> clip = {};
     /// Voxels are divided by this factor along each axis; values between them are interpolated linearly.

@@ -89,15 +89,6 @@ typename Grid::Ptr refined(const Grid& grid, double factor, const std::string& w
     return out;
 }
 
-/// Numbers of double precision become floats, as they do in fields.
-openvdb::GridBase::Ptr inFloats(openvdb::GridBase::Ptr grid) {
-    if (grid->isType<openvdb::DoubleGrid>())
-        return std::make_shared<openvdb::FloatGrid>(static_cast<const openvdb::DoubleGrid&>(*grid));
-    if (grid->isType<openvdb::Vec3DGrid>())
-        return std::make_shared<openvdb::Vec3SGrid>(static_cast<const openvdb::Vec3DGrid&>(*grid));
-    return grid;
-}
-
 /// A grid of that type with the active voxels of `like`, all 0; null for types that cannot be made.
 openvdb::GridBase::Ptr madeLike(const openvdb::FloatGrid& like, const std::string& valueType) {
     openvdb::GridBase::Ptr made;

@@ -28,10 +28,10 @@ class GridEditor {
     GridEditor(const GridEditor&) = delete;
     GridEditor& operator=(const GridEditor&) = delete;
 
+    /// What it does.
+    const GridEdit& edit() const { return m_edit; }
     /// The names of the grids that the expressions use; some of them may be new.
     std::vector<std::string> usedGrids() const;
-    /// The name of the density, as GridRequest has it.
-    const std::string& density() const { return m_edit.density; }
 
     /// Edits the grids, and adds new ones at the end. Level sets become fog first, and doubles become floats. A new
     /// grid has the voxels of the density, all 0. `file` names the file or source in messages; one info message for

@@ -221,6 +221,14 @@ Statistics statistics(const Grid& grid) {
 
 }  // namespace
 
+openvdb::GridBase::Ptr inFloats(openvdb::GridBase::Ptr grid) {
+    if (grid->isType<openvdb::DoubleGrid>())
+        return std::make_shared<openvdb::FloatGrid>(static_cast<const openvdb::DoubleGrid&>(*grid));
+    if (grid->isType<openvdb::Vec3DGrid>())
+        return std::make_shared<openvdb::Vec3SGrid>(static_cast<const openvdb::Vec3DGrid&>(*grid));
+    return grid;
+}
+
 GridOffer offerOf(const openvdb::GridBase& grid) {
     return {grid.getName(), grid.type(), openvdb::GridBase::gridClassToString(grid.getGridClass())};
 }

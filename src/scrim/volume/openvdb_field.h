@@ -19,6 +19,9 @@ void placeGrid(openvdb::GridBase& grid, const std::string& name, const Mat4& wsF
 /// The field as a fog volume; voxels above 0 are active.
 openvdb::FloatGrid::Ptr gridFrom(const SparseField& field);
 
+/// The grid itself, or a copy with floats in place of numbers of double precision.
+openvdb::GridBase::Ptr inFloats(openvdb::GridBase::Ptr grid);
+
 /// The properties of a grid by which a request chooses.
 GridOffer offerOf(const openvdb::GridBase& grid);
 

@@ -29,9 +29,9 @@ std::vector<SparseField> readFields(const VdbBytes& bytes, const std::vector<Gri
     return fieldsOf(VdbFile::open(bytes, requests), requests, messages);
 }
 
-std::vector<SparseField> readFields(const VdbBytes& bytes, const std::vector<GridRequest>& requests,
+std::vector<SparseField> readFields(const VdbFiles& files, const std::vector<GridRequest>& requests,
                                     const GridEditor& editor, const MessageSink& messages) {
-    return fieldsOf(VdbFile::open(bytes, requests, editor, messages), requests, messages);
+    return fieldsOf(VdbFile::open(files, requests, editor, messages), requests, messages);
 }
 
 std::vector<SparseField> editFields(const std::vector<SparseField>& grids, const std::string& name,

@@ -19,8 +19,8 @@ class GridEditor;
 /// each component.
 std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
                                     const MessageSink& messages);
-/// The same of grids that were edited.
-std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
+/// The same of grids that were edited, or put together from several files.
+std::vector<SparseField> readFields(const VdbFiles& files, const std::vector<GridRequest>& requests,
                                     const GridEditor& editor, const MessageSink& messages);
 /// The same of the grids of a source called `name`.
 std::vector<SparseField> editFields(const std::vector<SparseField>& grids, const std::string& name,

@@ -118,4 +118,11 @@ void VdbWalker::need(std::uint64_t size, const char* what) const {
         damaged(fmt::format("{} at byte {} needs {} bytes, the file ends after {}", what, m_at, size, left()));
 }
 
+VdbFiles openFiles(const std::string& path, std::span<const std::string> others) {
+    VdbFiles files;
+    files.push_back(std::make_unique<VdbBytes>(path));
+    for (std::size_t i = 1; i < others.size(); ++i) files.push_back(std::make_unique<VdbBytes>(others[i]));
+    return files;
+}
+
 }  // namespace scrim

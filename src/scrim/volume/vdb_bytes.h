@@ -8,8 +8,10 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace scrim {
 
@@ -50,6 +52,11 @@ class VdbBytes {
     mutable std::uint64_t m_windowAt = 0;
     mutable std::uint64_t m_windowSize = 0;
 };
+
+/// Open files; where they are those of one volume, the first is its own.
+using VdbFiles = std::vector<std::unique_ptr<VdbBytes>>;
+/// Opens `path`, and all `others` but their first, which stands for it.
+VdbFiles openFiles(const std::string& path, std::span<const std::string> others);
 
 /// Reads one item after another; `what` names the item in errors.
 class VdbWalker {

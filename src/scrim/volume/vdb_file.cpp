@@ -21,13 +21,13 @@ VdbFile VdbFile::open(const VdbBytes& bytes, const std::vector<GridRequest>& req
     return VdbFile(vdbModule().read(bytes, &requests));
 }
 
-VdbFile VdbFile::open(const VdbBytes& bytes, const std::vector<GridRequest>& requests, const GridEditor& editor,
+VdbFile VdbFile::open(const VdbFiles& files, const std::vector<GridRequest>& requests, const GridEditor& editor,
                       const MessageSink& messages) {
-    return VdbFile(vdbModule().readEdited(bytes, &requests, editor, messages));
+    return VdbFile(vdbModule().readEdited(files, &requests, editor, messages));
 }
 
-VdbFile VdbFile::open(const VdbBytes& bytes, const GridEditor& editor, const MessageSink& messages) {
-    return VdbFile(vdbModule().readEdited(bytes, nullptr, editor, messages));
+VdbFile VdbFile::open(const VdbFiles& files, const GridEditor& editor, const MessageSink& messages) {
+    return VdbFile(vdbModule().readEdited(files, nullptr, editor, messages));
 }
 
 VdbFile VdbFile::of(const std::vector<SparseField>& fields, const std::string& name, const GridEditor& editor,

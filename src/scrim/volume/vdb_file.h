@@ -20,6 +20,7 @@ namespace scrim {
 
 class GridEditor;
 class VdbBytes;
+using VdbFiles = std::vector<std::unique_ptr<VdbBytes>>;
 
 class VdbFile {
   public:
@@ -32,11 +33,12 @@ class VdbFile {
     /// The same for a file that is already open, or in memory.
     static VdbFile open(const VdbBytes& bytes);
     static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests);
-    /// The same with the grids edited before they can be requested; messages are about that.
-    static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests, const GridEditor& editor,
+    /// The same with the grids edited, or put together from several files, before they can be requested; messages are
+    /// about that.
+    static VdbFile open(const VdbFiles& files, const std::vector<GridRequest>& requests, const GridEditor& editor,
                         const MessageSink& messages);
-    /// The same with all grids of the file.
-    static VdbFile open(const VdbBytes& bytes, const GridEditor& editor, const MessageSink& messages);
+    /// The same with all grids.
+    static VdbFile open(const VdbFiles& files, const GridEditor& editor, const MessageSink& messages);
     /// No file: fields made by a source, edited in the same way. `name` stands for the file in messages.
     static VdbFile of(const std::vector<SparseField>& fields, const std::string& name, const GridEditor& editor,
                       const MessageSink& messages);

@@ -30,7 +30,7 @@ struct VdbFile::Content {
 /// Each implements the function that calls it: VdbFile::open (null: read the whole file, for no particular requests),
 /// VdbFile::of, writeVdb and writeVdbGrids.
 std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests);
-std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
+std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbFiles& files, const std::vector<GridRequest>* requests,
                                                        const GridEditor& editor, const MessageSink& messages);
 std::unique_ptr<VdbFile::Content> editedContent(const std::vector<SparseField>& fields, const std::string& name,
                                                 const GridEditor& editor, const MessageSink& messages);
@@ -50,7 +50,7 @@ struct VdbModule {
 };
 
 /// The single function that the module exports. The name must change whenever anything above changes.
-#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_4"
+#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_5"
 using VdbModuleFunction = const VdbModule* (*)();
 
 /// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where it cannot be

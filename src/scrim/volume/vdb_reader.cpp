@@ -3,16 +3,16 @@
 
 #include <scrim/base/error.h>
 #include <scrim/volume/grid_choice.h>
+#include <scrim/volume/grid_combiner.h>
 #include <scrim/volume/grid_editor.h>
 #include <scrim/volume/openvdb_field.h>
 #include <scrim/volume/vdb_layout.h>
+#include <scrim/volume/vdb_part.h>
 
 #include <algorithm>
-#include <cstring>
 #include <istream>
 #include <numeric>
 #include <optional>
-#include <set>
 #include <span>
 #include <sstream>
 #include <streambuf>
@@ -73,50 +73,6 @@ class MemoryBuffer : public std::streambuf {
         return seekoff(off_type(at), std::ios_base::beg, mode);
     }
 };
-
-/// The indices of the grids that `requests` need, and of those called `others`, in the file's order. No value where the
-/// whole file must be read, because it does not say where its grids are, or one of the grids shares the voxels of
-/// another.
-std::optional<std::vector<std::size_t>> neededGrids(const VdbLayout& layout, const std::vector<GridRequest>& requests,
-                                                    const std::vector<std::string>& others) {
-    if (!layout.hasOffsets) return {};
-    const std::vector<GridOffer> offers = offersOf(layout);
-    std::set<std::size_t> needed;
-    for (const GridRequest& request : requests)
-        if (const auto choice = chooseGrid(offers, request)) needed.insert(choice->grid);
-    for (const std::string& name : others) {
-        const auto called = [&](const GridOffer& offer) { return offer.name == name; };
-        if (const auto i = std::find_if(offers.begin(), offers.end(), called); i != offers.end())
-            needed.insert(std::size_t(i - offers.begin()));
-    }
-    for (const std::size_t i : needed)
-        if (layout.grids[i].instance) return {};
-    return std::vector<std::size_t>(needed.begin(), needed.end());
-}
-
-/// The bytes of a file that contains only the grids of `file` at `places`. The offsets in the descriptors are those of
-/// the original, but OpenVDB's stream does not use them.
-std::vector<char> partOfFile(const VdbBytes& file, const VdbLayout& layout, const std::vector<std::size_t>& places) {
-    const auto count = static_cast<std::int32_t>(places.size());
-    std::uint64_t size = layout.gridsBegin + sizeof count;
-    for (const std::size_t i : places) size += layout.grids[i].end - layout.grids[i].begin;
-    std::vector<char> bytes(size);
-    file.copy(0, layout.gridsBegin, bytes.data());
-    std::memcpy(bytes.data() + layout.gridsBegin, &count, sizeof count);
-    std::uint64_t at = layout.gridsBegin + sizeof count;
-    for (const std::size_t i : places) {
-        const std::uint64_t length = layout.grids[i].end - layout.grids[i].begin;
-        file.copy(layout.grids[i].begin, length, bytes.data() + at);
-        at += length;
-    }
-    return bytes;
-}
-
-std::vector<char> allOfFile(const VdbBytes& file) {
-    std::vector<char> bytes(file.size());
-    file.copy(0, file.size(), bytes.data());
-    return bytes;
-}
 
 /// The file is sound, but contains something unknown to this version of OpenVDB.
 class UnknownType : public Error {
@@ -244,6 +200,43 @@ std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequ
     return content;
 }
 
+/// The grids that `wanted` mean, put together from several files as `editor` says.
+std::unique_ptr<ParsedVdb> readCombined(const VdbFiles& files, const std::vector<std::string>& wanted,
+                                        const GridEditor& editor, const MessageSink& messages) {
+    const GridEdit& edit = editor.edit();
+    std::vector<const CombinedGrid*> grids;
+    for (const std::string& name : wanted)
+        for (const CombinedGrid* const grid : gridsCalled(edit, name))
+            if (std::find(grids.begin(), grids.end(), grid) == grids.end()) grids.push_back(grid);
+    auto content = std::make_unique<ParsedVdb>();
+    std::vector<std::unique_ptr<ParsedVdb>> parsed;
+    for (std::size_t f = 0; f < files.size(); ++f) {
+        const std::string& path = files[f]->path();
+        const std::vector<GridOffer> offers = offersOf(checkVdbLayout(*files[f]));
+        std::vector<std::string> names;
+        for (const CombinedGrid* const grid : grids)
+            for (const CombinedGrid::Part& part : grid->parts)
+                if (part.file == f && !offers.empty())
+                    names.push_back(callName(offers, choosePart(offers, *grid, part, path)));
+        const std::vector<GridRequest> none;
+        parsed.push_back(read(*files[f], &none, names));
+        content->path += (f == 0 ? "" : ", ") + path;
+        content->bytes += files[f]->size();
+        if (f == 0 || parsed[f]->layout.isNewer) content->layout = parsed[f]->layout;
+    }
+    content->layout.grids.clear();
+    for (const CombinedGrid* const grid : grids) {
+        std::vector<openvdb::GridBase::Ptr> parts;
+        for (const CombinedGrid::Part& part : grid->parts) {
+            const ParsedVdb& file = *parsed[part.file];
+            parts.push_back(file.grids[choosePart(file.offers, *grid, part, file.path)]);
+        }
+        content->grids.push_back(combine(edit, *grid, std::move(parts), messages));
+        content->offers.push_back(offerOf(*content->grids.back()));
+    }
+    return content;
+}
+
 /// The description of a grid that was not read, from its descriptor.
 GridInfo describeUnread(const VdbLayout::Grid& grid, const GridOffer& offer, const std::string& problem) {
     GridInfo info;
@@ -346,14 +339,24 @@ std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std
     return withinMemory(file.path(), [&] { return read(file, requests); });
 }
 
-std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
+std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbFiles& files, const std::vector<GridRequest>* requests,
                                                        const GridEditor& editor, const MessageSink& messages) {
-    return withinMemory(file.path(), [&] {
+    return withinMemory(files.front()->path(), [&] {
+        const GridEdit& edit = editor.edit();
         const std::vector<std::string> used = editor.usedGrids();
         std::vector<GridRequest> all = requests ? *requests : std::vector<GridRequest>();
-        all.push_back({editor.density()});
-        if (std::find(used.begin(), used.end(), editor.density()) != used.end()) all.push_back({});
-        auto content = read(file, requests ? &all : nullptr, used);
+        all.push_back({edit.density});
+        if (std::find(used.begin(), used.end(), edit.density) != used.end()) all.push_back({});
+        std::unique_ptr<ParsedVdb> content;
+        if (edit.grids.empty()) {
+            content = read(*files.front(), requests ? &all : nullptr, used);
+        } else {
+            std::vector<std::string> wanted = used;
+            for (const GridRequest& request : all) wanted.push_back(request.grid);
+            for (const CombinedGrid& grid : edit.grids)
+                if (!requests) wanted.push_back(grid.name);
+            content = readCombined(files, wanted, editor, messages);
+        }
         content->edit(editor, messages);
         return content;
     });

@@ -24,7 +24,7 @@ trap 'rm -rf "$BLENDER_USER_RESOURCES"' EXIT
 log="$BLENDER_USER_RESOURCES/log"
 cd "$here"
 
-plain=(mapping_test.py nodes_test.py exporter_test.py engine_test.py)
+plain=(mapping_test.py nodes_test.py expressions_test.py exporter_test.py engine_test.py)
 # Blender tells of every step on standard output: shown only where a test fails.
 tests() { # COMMAND...: runs pytest, and shows what it makes of it
     "$@" >"$log" 2>&1 || {
@@ -57,7 +57,8 @@ in_bpy() {
     fi
     local python="$packages/bin/python"
     echo "== bpy $bpy"
-    tests timeout 600 "$python" -B run_pytest.py -q -p no:cacheprovider "${plain[@]}" addon_test.py
+    tests timeout 600 "$python" -B run_pytest.py -q -p no:cacheprovider "${plain[@]}" addon_test.py \
+        noise_test.py
     # Scrim's Python module brings libraries that Blender has of its own: whoever comes first, both work.
     [ -d "$build/python" ] || fail "there is no $build/python; build with -DSCRIM_BUILD_PYTHON=ON"
     "$python" -m pip install -q "$(grep '^nanobind-backend' "$here/../../../plugins/python/requirements.txt")"

@@ -232,6 +232,18 @@ class Folder(unittest.TestCase):
         self.run_frame(1, 4)
         self.assertEqual(self.next(job)[2][1], "retry: scrim: error: reason 4")
 
+    def test_a_frame_is_done_with_all_of_its_files(self):
+        job = self.job(files=[os.path.join(self.folder, "z.####.exr")])
+        picture, depth = job.outputs(3)
+        self.assertEqual(depth, os.path.join(self.folder, "z.0003.exr"))
+        self.assertFalse(job.is_done(Task("render", (3,), -1), 3))
+        for path in (picture, depth):
+            self.assertFalse(job.is_done(Task("render", (3,), -1), 3))
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+            with open(path, "w", encoding="utf-8"):
+                pass
+        self.assertTrue(job.is_done(Task("render", (3,), -1), 3))
+
     def test_cancelled_tasks_are_left_alone_and_killed_ones_are_not(self):
         job = self.job()
         self.run_frame(1, 143)
@@ -306,6 +318,8 @@ class Command(unittest.TestCase):
                      "--tiles 40x1: a picture of 32 x 24 pixels has no tiles of")
         self.refuses(["a.toml", "--frames", "1", "--tiles", "2x1", "--set", "render.tolerance=0.01", *on], 2,
                      "a tolerance is searched for picture by picture")
+        self.refuses(["a.toml", "--frames", "1", "--tiles", "2x1", "--set",
+                      'output.files=[{file="z.####.exr",layers=["depth"]}]', *on], 2, "tiles of further files, such as")
         self.refuses(["a.toml", "--frames", "1", "--memory", "8 GB", *on], 2,
                      "--memory 8 GB: expected a size such as 8G or 512M")
         self.refuses(["a.toml", "--frames", "1", "--set", 'output.file="${SHOT}.exr"', *on], 3, "SHOT")

@@ -2,12 +2,13 @@
 """Opening scenes: files, text, dicts, overrides; plans and studies."""
 
 import math
+import subprocess
 import tomllib
 from pathlib import Path
 
 import numpy
 import pytest
-from conftest import SLAB, SMOKE
+from conftest import PROGRAM, SLAB, SMOKE
 
 import scrim
 from scrim import _toml
@@ -187,6 +188,20 @@ def test_expressions_and_parameters_of_a_volume_can_be_set_and_change_the_pictur
     assert shot.volumes == ["fog"] and shot.volumes[0] == "fog" and "fog" in shot.volumes
     shot.set({"camera.height": 12.0, "light.key.intensity": 0.0})
     assert shot.resolved()["camera"]["height"] == 12 and shot.render().image[..., :3].max() == 0
+
+
+def test_a_volume_can_be_put_together_from_files(tmp_path):
+    for name, depth in ("a", 16), ("b", 8):
+        make = [PROGRAM, "make", "primitives", f"shapes=box size=30,30,{depth}", "voxel=1", "-q", "-o"]
+        subprocess.run([*make, tmp_path / f"{name}.vdb"], check=True)
+    volume = {"name": "fog", "file": str(tmp_path / "a.vdb"), "density": {"scale": 0.05}}
+    shot = scrim.loads({**BOX, "volume": [volume]})
+    assert depth_of(shot) == pytest.approx(0.8, rel=1e-5)
+    both = [str(tmp_path / "a.vdb"), str(tmp_path / "b.vdb")]
+    shot.set({"volume.fog.grids": {"density": {"add": both}}})  # takes the place of `file`
+    assert depth_of(shot) == pytest.approx(1.2, rel=1e-5)
+    shot.set({"volume.fog.grids.density": {"multiply": both}})
+    assert depth_of(shot) == pytest.approx(0.4, rel=1e-5)
 
 
 def test_what_is_set_badly_is_refused_where_it_is_said_and_changes_nothing():

@@ -45,6 +45,29 @@ def test_a_slab_is_where_and_what_the_stage_says(foggy):
     assert not shot.warnings, shot.warnings
 
 
+def test_fields_of_several_files_are_one_volume(tmp_path):
+    """A slab whose glow is in another file: emission / extinction * (1 - exp(-tau)) comes on top."""
+    write_fog(tmp_path)
+    write_fog(tmp_path, "glow.vdb", value=2)
+    stage = Stage(tmp_path)
+    stage.camera()
+    slab = stage.volume("/fog", ["slab.vdb", "glow.vdb"], ["density", "heat"])
+    UsdVol.OpenVDBAsset.Get(stage.stage, "/fog/heat").GetFieldNameAttr().Set("density")
+    stage.say(slab, "emission:grid", Sdf.ValueTypeNames.String, "heat")
+    stage.say(slab, "emission:scale", Sdf.ValueTypeNames.Float, 0.005)
+    shot = stage.open()
+    volume = shot.scene(1)["volume"][0]
+    assert "file" not in volume and volume["density"]["grid"] == "density"
+    assert volume["medium"]["emission"]["grid"] == "heat"
+    assert {name: text.rpartition("/")[2] for name, text in volume["grids"].items()} == {
+        "density": "slab.vdb:density",
+        "heat": "glow.vdb:density",
+    }
+    glow = 2 * 0.005 / EXTINCTION * (1 - math.exp(-TAU))
+    assert shot.render().image[7:9, 7:9, :3] == pytest.approx(glow, rel=0.004)
+    assert not shot.warnings, shot.warnings
+
+
 def test_up_and_units_are_the_stages(tmp_path):
     """A stage with z up in centimetres: its numbers are world units as they are."""
     write_fog(tmp_path)

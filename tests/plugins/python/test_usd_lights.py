@@ -2,6 +2,7 @@
 """UsdLux: every light against the closed form of what its text says arrives."""
 
 import math
+from pathlib import Path
 
 import numpy
 import pytest
@@ -13,6 +14,7 @@ from usd_stages import Stage, behind, fluence, front, write_fog  # noqa: E402
 
 FINE = {"render.light_error": 0.002}
 DISTANCE = 4.0
+LUMINAIRES = Path(__file__).resolve().parents[3] / "examples/scenes/luminaires"
 
 
 @pytest.fixture
@@ -139,6 +141,20 @@ def test_a_cone_makes_a_spot(dusty):
         assert any("fades by the cosine" in w for w in shot.warnings) == (softness > 0)
 
 
+@pytest.mark.parametrize("normalize", [False, True])
+def test_a_photometric_file_multiplies_by_its_candelas(dusty, normalize):
+    """That of 1200 candelas times the cosine, whose integral is 1200 pi."""
+    light = at_distance(dusty.light("SphereLight", intensity=0.01, radius=0.1), (35, 0, 0))
+    light.GetTreatAsPointAttr().Set(True)
+    shaping = UsdLux.ShapingAPI.Apply(light.GetPrim())
+    shaping.GetShapingIesFileAttr().Set(Sdf.AssetPath(str(LUMINAIRES / "downlight.ies")))
+    shaping.GetShapingIesNormalizeAttr().Set(normalize)
+    candelas = (1 / math.pi if normalize else 1200) * math.cos(math.radians(35))
+    found, shot = arrives(dusty)
+    assert found == pytest.approx([0.01 * math.pi * 0.01 * candelas / DISTANCE**2] * 3, rel=0.01)
+    assert not any("IES" in w for w in shot.warnings)
+
+
 def test_a_dome_shines_from_everywhere(dusty):
     dusty.light("DomeLight", intensity=0.5, color=Gf.Vec3f(1, 0.5, 0.25))
     found, shot = arrives(dusty)
@@ -239,11 +255,17 @@ def test_links_are_lights_of_volumes(dusty):
     dust, other = scene["volume"]
     assert "lights" not in dust and other["lights"] == ["both", "none"]
     assert [light.get("shadows", True) for light in scene["light"]] == [True, True, False]
+    assert "shadows" not in dust and "shadows" not in other
     link.IncludePath("/dust")
     shot = dusty.open()
-    shot.scene(1)
-    assert any(w.startswith("/none: its shadowLink leaves out some") for w in shot.warnings)
+    dust, other = shot.scene(1)["volume"]
+    assert "shadows" not in dust and other["shadows"] == ["both", "one"]
+    assert not shot.warnings
     assert shot.render().image[:, :, 3].max() > 0
+    dusty.stage.GetPrimAtPath("/dust").CreateAttribute("scrim:medium:scattering", Sdf.ValueTypeNames.Token).Set("full")
+    shot = dusty.open()
+    assert "shadows" not in shot.scene(1)["volume"][1]
+    assert any(w.startswith("/other: a shadowLink leaves it out") for w in shot.warnings)
 
 
 @pytest.mark.parametrize("normalize", [False, True])
@@ -272,15 +294,42 @@ def test_lights_that_are_not_there_are_named(dusty, kind, text):
     assert "light" not in shot.scene(1) and text in shot.warnings
 
 
-def test_solids_and_volumes_that_shine_are_named(dusty):
+@pytest.mark.parametrize("meshes", ["holdout", "none"])
+@pytest.mark.parametrize("normalize", [False, True])
+def test_a_mesh_that_shines_does_so_outwards(dusty, normalize, meshes):
+    """Of a cube off the dust, one face is seen from there, and what it hides of the dust is behind it."""
     solid = UsdGeom.Cube.Define(dusty.stage, "/lamp")
-    solid.AddTranslateOp().Set(Gf.Vec3d(9, 0, 0))
+    solid.CreateSizeAttr(1.0)
+    solid.AddTranslateOp().Set(Gf.Vec3d(DISTANCE + 0.5, 0, 0))
     UsdLux.MeshLightAPI.Apply(solid.GetPrim())
+    light = UsdLux.LightAPI(solid.GetPrim())
+    light.CreateIntensityAttr(5.0)
+    light.CreateNormalizeAttr(normalize)
+    found, shot = arrives(dusty, meshes=meshes)
+    face = 4 * math.asin(0.25 / (DISTANCE**2 + 0.25))
+    assert found == pytest.approx([5.0 * face / (6 if normalize else 1)] * 3, rel=0.02)
+    assert not any("/lamp" in warning for warning in shot.warnings)
+
+
+def test_an_open_mesh_shines_to_the_side_of_its_orientation(dusty):
+    sheet = UsdGeom.Mesh.Define(dusty.stage, "/lamp")
+    sheet.CreatePointsAttr([(-1, -1, DISTANCE), (-1, 1, DISTANCE), (1, 1, DISTANCE), (1, -1, DISTANCE)])
+    sheet.CreateFaceVertexCountsAttr([4])
+    sheet.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    sheet.CreateSubdivisionSchemeAttr("none")
+    UsdLux.MeshLightAPI.Apply(sheet.GetPrim())
+    UsdLux.LightAPI(sheet.GetPrim()).CreateIntensityAttr(5.0)
+    expected = 5.0 * 4 * math.asin(1 / (DISTANCE**2 + 1))
+    assert arrives(dusty, meshes="none")[0] == pytest.approx([expected] * 3, rel=0.01)
+    sheet.CreateOrientationAttr("leftHanded")
+    assert arrives(dusty, meshes="none")[0] == pytest.approx([0.0] * 3, abs=1e-6)
+
+
+def test_a_volume_that_shines_is_named(dusty):
     UsdLux.VolumeLightAPI.Apply(dusty.stage.GetPrimAtPath("/dust"))
     shot = dusty.open()
-    assert len(shot.scene(1)["mesh"]) == len(shot.scene(1)["volume"]) == 1 and "light" not in shot.scene(1)
-    for path in ("/lamp", "/dust"):
-        assert f"{path}: the light that it gives as a surface or a volume is not rendered" in shot.warnings
+    assert "light" not in shot.scene(1)
+    assert "/dust: the light that it gives as a volume is not rendered" in shot.warnings
 
 
 def test_what_a_dome_has_that_is_not_rendered_is_named(dusty):
@@ -333,7 +382,6 @@ def test_what_a_light_has_that_is_not_rendered_is_named(dusty):
     assert sphere["shadows"] is False and sphere["type"] == "spot" and sphere["cone"] == 180.0
     for text in (
         "/key: its focus is not rendered",
-        "/key: its IES profile is not rendered",
         "/key: its scale differs along axes: an ellipsoid is rendered as a sphere of the same volume",
         "/key: a sphere with a cone is rendered as a point: its radius of 0.629961 softens no shadow",
         "/key: its diffuse multiplier is not for volumes, and not read",
@@ -341,3 +389,4 @@ def test_what_a_light_has_that_is_not_rendered_is_named(dusty):
         "/flat: its cone of 30 degrees to each side is not rendered; it shines to all of one side",
     ):
         assert text in shot.warnings, shot.warnings
+    assert any("/key: its IES profile is not rendered: " in w and "lamp.ies" in w for w in shot.warnings)

@@ -101,6 +101,13 @@ TEST_F(Asset, WhatASimulationLeftBehindIsNotShownInSilence) {
     const std::string onlyScene = printed({"only.vdb"});
     const auto after = [](const std::string& text) { return text.substr(text.find("[camera]"), 120); };
     EXPECT_EQ(after(beside.out), after(onlyScene)) << "the same camera";
+    const auto place = [](const std::string& text) {
+        const std::size_t at = text.find("position = ");
+        return text.substr(at, text.find(']', at) - at);
+    };
+    const std::string wide = printed({"only.vdb", "--res", "96x24"});
+    EXPECT_NE(place(wide), place(onlyScene)) << "further away, to fit";
+    EXPECT_EQ(place(printed({"only.vdb", "--set", "camera.resolution=[96, 24]"})), place(wide));
     makeVdb(file("thin.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1e-5)}});
     EXPECT_FALSE(contains(runWell({"render", "thin.vdb", "--print-scene"}).err, "simulation"));
 }
@@ -381,7 +388,8 @@ TEST_F(Asset, RealScansAreShown) {
     SCRIM_NEEDS_DATA("scan/bonsai_256.nrrd");
     const std::string scan = dataFile("scan/bonsai_256.nrrd");
     EXPECT_TRUE(contains(runWell({"info", scan}).out, "256 x 256 x 256 of uint8"));
-    runWell({"render", scan, "-o", "b.exr", "--res", "32x32", "--quality", "draft", "--up", "y"});
+    runWell({"render", scan, "-o", "b.exr", "--res", "32x32", "--up", "y", "--set", "render.texel=1", "--set",
+             "render.sheet_thickness=1"});
 }
 
 TEST_F(Asset, ATreeStandsOnItsPotAndAToothOnItsRoots) {

@@ -200,6 +200,12 @@ std::vector<std::string> hostileCode() {
         "int n = 0; f@density = 7 % n;",
         set + "1 << 70;",
         set + "pow(0.0f, -1.0f);",
+        "double d = f@density; f@density = pow(d, 8);",
+        "double d = 0; f@density = pow(d, -1);",
+        // Grids that an expression makes for itself, and many of them.
+        "f@scrim_together = 1; f@density = 2;",
+        "float scrim_together_0 = 1; f@density = scrim_together_0; f@b = 1;",
+        "f@a = rand(); f@b = rand(); f@c = rand(); return; f@density = 1;",
         // Wrong types, and grids and variables that are not there.
         set + "f@nothing;",
         set + "v@density;",

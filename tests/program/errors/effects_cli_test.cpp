@@ -246,6 +246,21 @@ TEST_F(CliEffects, LightsThatLightNothingAreNamedInThePlan) {
     EXPECT_EQ(effectOf("s.toml", "light linking")["where"][0], "s.toml:8:10");
 }
 
+TEST_F(CliEffects, VolumesCastShadowsInTheLightsThatTheyName) {
+    const std::string volume = kCamera + "[[volume]]\nfile = \"smoke.vdb\"\nshadows = ",
+                      light = kLight + "[[light]]\nname = \"rim\"\ntype = \"distant\"\ndirection = [1, 0, 0]\n";
+    write("s.toml", volume + "[\"rim\"]\n" + light);
+    EXPECT_EQ(effectOf("s.toml", "shadow linking")["reason"], "'volume1' in 1 of 2 lights");
+    EXPECT_EQ(effectOf("s.toml", "shadow linking")["where"][0], "s.toml:8:11");
+    runWell({"render", "s.toml", "-o", "x.exr", "--verify", "60", "--tolerance", "0.02"});
+    write("s.toml", volume + "[\"key\", \"rim\"]\n" + light);
+    EXPECT_EQ(effectOf("s.toml", "shadow linking")["on"], false);
+    write("s.toml", volume + "false\n[volume.medium]\nscattering = \"full\"\n" + light);
+    expectFailure({"render", "s.toml", "-o", "x.exr"}, 3,
+                  "s.toml:7:8: volume 'volume1' does not cast shadows in all lights; with scattering = \"full\" in "
+                  "volume 'volume1' it must");
+}
+
 TEST_F(CliEffects, PlanInThePictureIsThatOfThePlanCommand) {
     runWell({"render", "scene.toml", "-o", "x.exr"});
     const auto inPicture = nlohmann::json::parse(readExrAttributes(file("x.exr")).at("scrim:plan"));

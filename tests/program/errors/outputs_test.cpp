@@ -11,6 +11,9 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -202,6 +205,46 @@ TEST_F(DeepOutput, WarnsOfColouredExtinction) {
 
 // ---- --skip-existing
 
+// Each layer is where it is asked for, and as it is in one file with all of them.
+TEST_F(Outputs, HoldTheLayersThatTheyAreAskedFor) {
+    const std::string scene = kCamera + kVolume + kLight + "[volume.medium]\nscattering = \"full\"\n";
+    write("all.toml",
+          scene + "[output]\nfile = \"all.exr\"\nlayers = [\"light\", \"direct\", \"indirect\", \"depth\"]\n");
+    write("apart.toml", scene +
+                            "[[output]]\nfile = \"a.exr\"\nlayers = [\"direct\"]\n[[output]]\nfile = \"sub/z.exr\"\n"
+                            "layers = [\"depth\", \"light\"]\n[[output]]\nfile = \"b.exr\"\npicture = true\n");
+    runWell({"render", "all.toml"});
+    runWell({"render", "apart.toml"});
+    const auto channels = [&](const std::string& name) {
+        std::map<std::string, std::vector<float>> found;
+        std::istringstream words(readExrAttributes(file(name)).at("channels"));
+        for (std::string word; words >> word;) {
+            const std::string channel = word.substr(0, word.find(':'));
+            found[channel] = readExrChannel(file(name), channel);
+        }
+        return found;
+    };
+    const auto all = channels("all.exr");
+    for (const auto& [name, expected] : std::map<std::string, std::set<std::string>>{
+             {"a.exr", {"R", "G", "B", "A", "direct.R", "direct.G", "direct.B"}},
+             {"sub/z.exr", {"Z", "depth.mean", "light.key.R", "light.key.G", "light.key.B"}},
+             {"b.exr", {"R", "G", "B", "A"}}}) {
+        const auto found = channels(name);
+        std::set<std::string> names;
+        for (const auto& [channel, values] : found) {
+            names.insert(channel);
+            EXPECT_TRUE(values == all.at(channel)) << name << " " << channel;
+        }
+        EXPECT_EQ(names, expected) << name;
+    }
+    // Half floats.
+    for (std::size_t i = 0; i < all.at("R").size(); ++i)
+        ASSERT_NEAR(all.at("direct.R")[i] + all.at("indirect.R")[i], all.at("R")[i], 2e-3 * all.at("R")[i] + 1e-6) << i;
+    expectFailure(
+        {"render", "apart.toml", "-o", "b.exr"}, kUsage,
+        "'b.exr' would be written twice, for the picture of apart.toml and for a file of layers of apart.toml");
+}
+
 class SkipExisting : public ProgramTest {
   protected:
     const std::vector<std::string> m_arguments{"render",     "scene.toml", "-o",  "o.####.exr",     "--preview",
@@ -268,11 +311,23 @@ TEST_F(SkipExisting, RendersAgainWhatHasNoWholeDeepPicture) {
     std::filesystem::resize_file(file("o.deep.0002.exr"), whole.size() / 2);
     const auto before = std::filesystem::last_write_time(file("o.0003.exr"));
     const ProgramResult result = runWell(arguments);
-    expectLine(result, "frame 1: o.0001.exr has an incomplete deep picture; rendering it again\n");
-    expectLine(result, "frame 2: o.0002.exr has an incomplete deep picture; rendering it again\n");
+    expectLine(result, "frame 1: o.0001.exr is complete, but a file beside it is not; rendering it again\n");
+    expectLine(result, "frame 2: o.0002.exr is complete, but a file beside it is not; rendering it again\n");
     expectLine(result, "frame 3: o.0003.exr exists already\n");
     EXPECT_TRUE(readBytes(file("o.deep.0001.exr")) == whole);
     EXPECT_EQ(std::filesystem::last_write_time(file("o.0003.exr")), before);
+}
+
+TEST_F(SkipExisting, RendersAgainWhatHasNoFurtherFile) {
+    std::vector<std::string> arguments = m_arguments;
+    arguments.insert(arguments.end(), {"--set", "output.files=[{file=\"z.####.exr\", layers=[\"depth\"]}]"});
+    runWell(arguments);
+    const std::string whole = readBytes(file("z.0001.exr"));
+    std::filesystem::remove(file("z.0001.exr"));
+    const ProgramResult result = runWell(arguments);
+    expectLine(result, "frame 1: o.0001.exr is complete, but a file beside it is not; rendering it again\n");
+    expectLine(result, "frame 2: o.0002.exr exists already\n");
+    EXPECT_TRUE(readBytes(file("z.0001.exr")) == whole);
 }
 
 TEST_F(SkipExisting, MakesUpForPreviewsAsBrightAsTheyWere) {

@@ -17,26 +17,6 @@ constexpr int kFailed = 1, kInput = 3;
 
 using WrittenFiles = ProgramTest;
 
-const std::string kDeepAndShutter =
-    " cannot be combined with 'shutter' of [camera]: a deep sample has one depth, but a moving object has many; remove "
-    "one of the two";
-
-// ---- deep pictures
-
-TEST_F(WrittenFiles, NoOptionGetsADeepPictureOfWhatMoves) {
-    const std::vector<std::string> shutter{"--set", "camera.shutter=[-0.25,0.25]"};
-    const auto with = [&](std::vector<std::string> arguments) {
-        arguments.insert(arguments.end(), shutter.begin(), shutter.end());
-        return arguments;
-    };
-    for (const char* command : {"render", "plan"}) {
-        expectFailure(with({command, "scene.toml", "-o", "x.exr", "--deep", "d.exr"}), kInput,
-                      "scene.toml: 'deep'" + kDeepAndShutter);
-        expectFailure(with({command, "scene.toml", "-o", "x.exr", "--set", "output.deep=d.exr"}), kInput,
-                      "--set output.deep: 'deep'" + kDeepAndShutter);
-    }
-}
-
 // ---- values
 
 TEST_F(WrittenFiles, AreFinite) {

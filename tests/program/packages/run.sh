@@ -59,6 +59,14 @@ size
 scrim render smoke.vdb -q --res 96x54 -o again.exr --preview again.png || fail "no preview"
 [ -s again.png ] || fail "the preview is empty"
 
+echo "-- expressions"
+if scrim info smoke.vdb --ax 'f@density *= 2;' >/dev/null 2>ax.log; then fail "an expression without its package"; fi
+grep -q 'install the package scrim-ax' ax.log || fail "the message names no package: $(cat ax.log)"
+install "$(deb scrim-ax)"
+size
+scrim make ax file=smoke.vdb code='f@density *= 2; f@heat = f@density;' -q -o twice.vdb || fail "no expression"
+scrim info twice.vdb | grep -q "grid 'heat'" || fail "the expression made no grid"
+
 echo "-- farm"
 scrim-submit smoke.vdb --frames 1-2 --on openjd -o 'tile.####.exr' --res 32x32 >farm.log 2>&1 || { cat farm.log; fail "scrim-submit"; }
 [ -n "$(find smoke.farm -name 'template*')" ] || fail "no job: $(ls -R smoke.farm)"

@@ -75,6 +75,11 @@ std::vector<BenchEffect> effects() {
                  s.volumes.front().lights = {true, false};
              },
              false},
+            {"shadow linking",
+             [](ViewScene& s) {
+                 s.volumes.front().shadows = {true, false};
+             },
+             false},
             {"ambient",
              [](ViewScene& s) {
                  s.ambient = {0.1, 0.1, 0.2};

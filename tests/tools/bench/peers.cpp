@@ -8,6 +8,8 @@
 //     scrim_peers march SCENE.toml OUT.exr volume STEP CELL RAY took, without loading and without making it dense;
 //     scrim_peers march SCENE.toml OUT.exr sweep STEP CELL 1|3  the median of SCRIM_REPEATS (1) renderings
 //     scrim_peers pilot SCENE.toml RAYS                         prints what presets are chosen by, and its seconds
+//     scrim_peers scattering SCENE.toml                         prints what cells and directions of multiply scattered
+//                                                               light are chosen by (ScatterPilot), and its seconds
 //     scrim_peers error PIXELS.csv PICTURE.exr...               prints error and its 95 % interval, a line a picture
 //     scrim_peers grain PICTURE.exr TRUTH.exr EDGE              prints the RMS of what is left of the difference when
 //                                                               its mean over EDGE x EDGE pixels is taken away, over
@@ -28,6 +30,7 @@
 #include <scrim/scene/framing.h>
 #include <scrim/scene/scene_reader.h>
 #include <scrim/verify/pilot_rays.h>
+#include <scrim/verify/scatter_pilot.h>
 #include <scrim/verify/verify.h>
 #include <scrim/volume/vdb_file.h>
 
@@ -37,6 +40,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -107,8 +111,8 @@ void writePixels(const std::string& sceneFile, const std::string& pixelFile, int
     sampling.seconds = seconds;
     std::string pixels;
     for (const VerifiedPixel& p : samplePixels(scene, image, sampling).pixels)
-        pixels += fmt::format("{} {} {} {} {} {}\n", p.x, p.y, p.reference[0], p.reference[1], p.reference[2],
-                              p.reference[3]);
+        pixels += fmt::format("{} {} {} {} {} {} {} {} {} {}\n", p.x, p.y, p.reference[0], p.reference[1],
+                              p.reference[2], p.reference[3], p.variance[0], p.variance[1], p.variance[2], p.edge);
     writeWholeFile(pixelFile, pixels);
 }
 
@@ -166,16 +170,24 @@ void march(const std::string& sceneFile, const std::string& picture, const std::
 void printErrors(const std::string& pixelFile, const std::vector<std::string>& pictures) {
     std::vector<VerifiedPixel> pixels;
     std::ifstream in(pixelFile);
-    for (VerifiedPixel p; in >> p.x >> p.y >> p.reference[0] >> p.reference[1] >> p.reference[2] >> p.reference[3];)
+    for (VerifiedPixel p; in >> p.x >> p.y >> p.reference[0] >> p.reference[1] >> p.reference[2] >> p.reference[3] >>
+                          p.variance[0] >> p.variance[1] >> p.variance[2] >> p.edge;)
         pixels.push_back(p);
     for (const std::string& picture : pictures) {
-        const Image image = readExr(picture);
-        for (VerifiedPixel& p : pixels)
-            for (std::size_t c = 0; c < 4; ++c)
-                p.rendered[c] = image.window.contains(p.x, p.y) ? image.rgba[image.indexOf(p.x, p.y) + c] : 0;
+        setRendered(pixels, readExr(picture));
         const Verification v = summarise(pixels);
         fmt::print("{} {} {} {}\n", v.error, v.lower, v.upper, v.bias);
     }
+}
+
+void printScattering(const std::string& sceneFile) {
+    const ViewScene scene = loadAny(sceneFile);
+    const auto begin = std::chrono::steady_clock::now();
+    const std::optional<ScatterPilot> pilot = scatterPilot(scene);
+    if (!pilot) return fmt::print("light scatters once\n");
+    fmt::print("{} {} {} {} {} {} {}\n", pilot->edge, pilot->difference, pilot->share, pilot->straight[0],
+               pilot->straight[1], pilot->straight[2],
+               std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
 }
 
 /// High-pass RMS of the difference of two pictures, see above.
@@ -209,6 +221,8 @@ int run(const std::vector<std::string>& a) {
         writePixels(a[1], a[2], std::stoi(a[3]), a.size() == 5 ? std::stod(a[4]) : 0);
     else if (a.size() == 3 && a[0] == "pilot")
         printPilot(a[1], std::stoi(a[2]));
+    else if (a.size() == 2 && a[0] == "scattering")
+        printScattering(a[1]);
     else if (a.size() == 4 && a[0] == "grain")
         printGrain(a[1], a[2], std::stoi(a[3]));
     else if (a.size() >= 6 && a[0] == "march") {
@@ -218,9 +232,9 @@ int run(const std::vector<std::string>& a) {
     } else if (a.size() >= 3 && a[0] == "error")
         printErrors(a[1], {a.begin() + 2, a.end()});
     else
-        throw Error(
-            ErrorKind::usage,
-            "expected 'scene', 'pixels', 'march', 'error', 'pilot' or 'grain' and what belongs to it, see peers.cpp");
+        throw Error(ErrorKind::usage,
+                    "expected 'scene', 'pixels', 'march', 'error', 'pilot', 'scattering' or 'grain' and what belongs "
+                    "to it, see peers.cpp");
     return 0;
 }
 

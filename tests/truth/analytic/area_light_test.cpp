@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Area lights, suns with an angle and domes in whole pictures: closed forms in thin smoke, and brute force in thick.
 #include "support/fields.h"
+#include "support/meshes.h"
 #include "support/slides.h"
 #include "support/verified.h"
 
@@ -73,6 +74,38 @@ TEST(AreaLight, GivesThinSmokeRadianceTimesSolidAngle) {
     EXPECT_NEAR(fluenceIn(thinCube(), surface({AreaShape::sphere, 0, 0, 20}, at), 200), sphere, near * sphere);
 }
 
+Light shining(const TriangleMesh& mesh, const Mat4& wsFromMesh = Mat4(1)) {
+    Light light;
+    light.name = "mesh";
+    light.kind = Light::Area{AreaShape::mesh};
+    light.intensity = Rgb(1);
+    shineFrom(light, mesh, wsFromMesh);
+    return light;
+}
+
+// A mesh shines as the surface that it is: a square to one side, whatever mirrors it, and a ball outwards, whichever
+// side its triangles have outside; that of the tests has 32 rings, which leave 0.995 of the cross section.
+TEST(AreaLight, OfAMeshGivesThinSmokeRadianceTimesSolidAngle) {
+    const auto square = squareMesh({0, 24, 32}, {0, -24, -32}, 10), away = squareMesh({0, 24, 32}, {0, 24, 32}, 10);
+    const double expected = 4 * std::asin(10 * 10 / (1600.0 + 100));
+    EXPECT_NEAR(fluenceIn(thinCube(), shining(*square), 100), expected, 0.01 * expected);
+    Mat4 mirror(1);
+    mirror[0][0] = -1;
+    EXPECT_NEAR(fluenceIn(thinCube(), shining(*square, mirror), 100), expected, 0.01 * expected);
+    EXPECT_NEAR(fluenceIn(thinCube(), shining(*away), 100), 0, 1e-12);
+
+    TriangleMesh ball = *ballMesh({0, 24, 32}, 20, 32);
+    const double sphere = 2 * kPi * (1 - std::sqrt(1 - 0.25));
+    for (int turn = 0; turn < 2; ++turn) {
+        EXPECT_NEAR(fluenceIn(thinCube(), shining(ball), 400), 0.995 * sphere, 0.01 * sphere);
+        turnOver(ball);
+    }
+    Light normalized = shining(*square);
+    std::get<Light::Area>(normalized.kind).normalize = true;
+    shineFrom(normalized, *square, Mat4(1));
+    EXPECT_NEAR(normalized.intensity.x, 1 / 400.0, 1e-12);
+}
+
 // A sky fills 4 pi, so that white smoke, however thin, shows its radiance; a sun its irradiance.
 TEST(Dome, GivesThinSmokeItsRadiance) {
     EXPECT_NEAR(fluenceIn(thinCube(), sky(0.5), 20), 4 * kPi * 0.5, 3e-3 * 2 * kPi);
@@ -125,8 +158,9 @@ TEST(ExtendedLights, ConvergeToBruteForceAsSubLightsGetMore) {
 }
 
 // With enough sub-lights the rest of the error is the cells'. A quarter of their edge leaves a quarter of it or a
-// little more (measured: 4.4 to 6.6 % with cells of two voxels, 1.2 to 2.5 % with half a voxel): below a voxel, cells
-// see voxels as cubes, and not as the kernel does. The smoke's features are a few voxels in size, the hardest case.
+// little more (measured: 4.4 to 6.6 % with cells of two voxels, 1.2 to 2.5 % with half a voxel; of a sphere, whose
+// cells are sharpened, 2.5 and 1.7 %): below a voxel, cells see voxels as cubes, and not as the kernel does. That is up
+// to 2 % which smaller cells do not take away. The smoke's features are a few voxels in size, the hardest case.
 TEST(ExtendedLights, OnCellsConvergeToBruteForceAsTheCellsGetSmaller) {
     for (const Lit& lit : lights()) {
         ViewScene scene = smoke(lit.light);
@@ -137,8 +171,8 @@ TEST(ExtendedLights, OnCellsConvergeToBruteForceAsTheCellsGetSmaller) {
             scene.dials.lightCell = halves == 0 ? 2 : 0.5;
             errors[halves] = errorOf(scene, 40);
         }
-        EXPECT_LE(errors[1], errors[0] / 2) << lit.name;
-        EXPECT_LT(errors[1], 0.03) << lit.name << ": " << errors[0];
+        EXPECT_LE(errors[1], std::max(errors[0] / 2, 0.02)) << lit.name;
+        EXPECT_LT(errors[1], std::min(errors[0], 0.03)) << lit.name << ": " << errors[0];
         testing::Test::RecordProperty(std::string(lit.name) + "Errors", fmt::format("{} {}", errors[0], errors[1]));
     }
 }
@@ -173,8 +207,7 @@ TEST(ExtendedLights, HaveOneLayerEachAndLayersAddUp) {
             for (const FrameLayer& layer : all.layers) sum += layer.data[3 * i + c];
             // Rounding of three sums of a few hundred floats each.
             ASSERT_NEAR(sum, all.image.rgba[4 * i + c], 2e-5 * sum + 1e-7);
-            // Sharpened light on cells is limited by its neighbours: that of all lights, or of each that has a layer.
-            ASSERT_NEAR(alone.image.rgba[4 * i + c], all.image.rgba[4 * i + c], 3e-3 * sum + 1e-7);
+            ASSERT_NEAR(alone.image.rgba[4 * i + c], all.image.rgba[4 * i + c], 2e-5 * sum + 1e-7);
         }
     // The disk's layer is the picture with the disk alone.
     ViewScene one = scene;

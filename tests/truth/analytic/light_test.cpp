@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Falloff, cones and phase functions, on media so thin that nothing is attenuated.
 #include "support/fields.h"
+#include "support/luminaires.h"
 
 #include <scrim/geometry/camera.h>
 #include <scrim/scene/medium.h>
@@ -102,6 +103,63 @@ TEST(SpotLight, LightsItsConeOnlyAndFadesOverItsBlend) {
         EXPECT_NEAR(pixelOf(frame, x, 30)[0], expected, 5e-3 * full) << "pixel " << x;
     }
     EXPECT_EQ(pixelOf(frame, 58, 30)[0], 0);
+}
+
+// The file's intensity is the cosine of the angle to the axis, to 0.1 %.
+TEST(Luminaire, OfTheCosineLawLightsAsItsCosine) {
+    ViewScene scene = thinLayer();
+    Light light;
+    light.kind = Light::Point{};
+    light.wsPosition = {12, -4, 25};
+    light.wsDirection = glm::normalize(Vec3(-0.4, 0.1, -1));
+    light.intensity = Rgb(1e6);
+    light.luminaire = luminaireOf("downlight");
+    scene.lights.push_back(light);
+    const Frame frame = renderScene(scene);
+    double most = 0;
+    const auto expected = [&](int x, int y) {
+        return layerBrightness(x, y, [&](const Vec3& p) {
+            const Vec3 way = p - light.wsPosition;
+            const double r2 = glm::dot(way, way);
+            return 1e6 * std::max(glm::dot(way, light.wsDirection), 0.0) / (r2 * std::sqrt(r2));
+        });
+    };
+    for (int i = 0; i < 3600; ++i) most = std::max(most, expected(i % 60, i / 60));
+    for (int y = 2; y < 60; y += 7)
+        for (int x = 1; x < 60; x += 7)
+            EXPECT_NEAR(pixelOf(frame, x, y)[0], expected(x, y), 5e-3 * most) << x << "," << y;
+}
+
+// The profile itself, around the axis as `up` turns it. The file's angles are 10 and 30 degrees apart, so that straight
+// lines between them are up to 4 % of the largest value from the law.
+TEST(Luminaire, TurnsWithTheUpOfItsLight) {
+    ViewScene scene = thinLayer();
+    Light light;
+    light.kind = Light::Spot{};
+    std::get<Light::Spot>(light.kind).coneAngle = 120;
+    std::get<Light::Spot>(light.kind).blend = 0;
+    light.wsPosition = {0, 0, 35.5};
+    light.wsDirection = {0, 0, -1};
+    light.point().decay = false;
+    light.luminaire = luminaireOf("wall");
+    for (const Vec3& up : {Vec3(0, 1, 0), Vec3(1, 0, 0), Vec3(-1, -1, 0)}) {
+        light.wsUp = up;
+        scene.lights = {light};
+        const Frame frame = renderScene(scene);
+        // A viewer at the layer who looks at the lamp, along +z, has `up` x (-z) on his right.
+        const Vec3 right = glm::normalize(glm::cross(up, Vec3(0, 0, -1)));
+        const double full = layerBrightness(30, 30, [](const Vec3&) { return 1.0; });
+        for (int y = 4; y < 60; y += 13)
+            for (int x = 4; x < 60; x += 13) {
+                const double expected = layerBrightness(x, y, [&](const Vec3& p) {
+                    const Vec3 way = glm::normalize(p - light.wsPosition);
+                    const double t = 40 * kPi / 180;
+                    const double along = glm::dot(way, right) * std::sin(t) - way.z * std::cos(t);
+                    return std::pow(std::max(along, 0.0), 3);
+                });
+                EXPECT_NEAR(pixelOf(frame, x, y)[0], expected, 0.05 * full) << x << "," << y;
+            }
+    }
 }
 
 TEST(HenyeyGreenstein, IntegratesToOneOverTheSphere) {

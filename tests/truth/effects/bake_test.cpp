@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Baked light: what arrives at voxels, against closed forms and brute force; and as emission it is the picture.
 #include "scenes.h"
+#include "support/luminaires.h"
 
 #include <scrim/engine/baked_light.h>
 #include <scrim/verify/reference.h>
@@ -85,12 +86,16 @@ TEST(BakedLight, OfALampFallsOffWithTheSquareOfDistance) {
 }
 
 ViewScene sceneOf(const std::string& name) {
-    if (name == "lamp within" || name == "sphere" || name == "sun with an angle") {
+    if (name == "lamp within" || name == "luminaire within" || name == "sphere" || name == "sun with an angle") {
         ViewScene scene = plainScene();
         scene.lights.resize(1);
         if (name == "lamp within") {
             scene.lights.push_back(lamp({2, 5, -3}, 300, 1));
             scene.lights.back().name = "lamp";
+        } else if (name == "luminaire within") {
+            scene.lights.push_back(lamp({2, 5, -3}, 300, 1));
+            scene.lights.back().name = "lamp";
+            scene.lights.back().luminaire = luminaireOf("wall");
         } else {
             Light& light = scene.lights[0];
             light.samples = 64;
@@ -165,11 +170,13 @@ TEST_P(Baked, AgreesWithBruteForce) {
 
 INSTANTIATE_TEST_SUITE_P(Each, Baked,
                          testing::Values("ambient", "coloured extinction", "two tints", "albedo grid", "octaves",
-                                         "light linking", "lamp within", "sphere", "sun with an angle"));
+                                         "light linking", "shadow linking", "lamp within", "luminaire within", "sphere",
+                                         "sun with an angle"));
 
 // A renderer that shows the baked light as emission, with the same extinction and without any light, shows the picture.
 TEST(BakedLight, AsEmissionIsThePicture) {
-    for (const char* name : {"ambient", "coloured extinction", "albedo grid", "octaves", "light linking"}) {
+    for (const char* name :
+         {"ambient", "coloured extinction", "albedo grid", "octaves", "light linking", "shadow linking"}) {
         ViewScene scene = sceneOf(name);
         scene.dials.texel = scene.dials.sheetThickness = 0.7;
         const Frame picture = renderScene(scene);

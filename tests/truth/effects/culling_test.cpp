@@ -120,7 +120,7 @@ TEST(ViewFrustums, ShowNothingOfWhatLiesBehindThem) {
 
 VolumeBox boxAt(const Vec3& center) {
     const auto corners = Bounds{center - 1.0, center + 1.0}.corners();
-    return {std::vector<Vec3>(corners.begin(), corners.end()), {}};
+    return {std::vector<Vec3>(corners.begin(), corners.end()), {}, {}};
 }
 
 TEST(UselessVolumes, AreOutOfViewAndThrowNoShadowIntoIt) {
@@ -189,6 +189,7 @@ TEST(Effects, AreOnAndOffWithReasons) {
                                                                  {"two-lobe phase", "directional scattering"},
                                                                  {"octaves", "octaves"},
                                                                  {"light linking", "light linking"},
+                                                                 {"shadow linking", "shadow linking"},
                                                                  {"ambient", "ambient light"}};
     ViewScene plain = plainScene();
     const std::vector<Effect> without = effectsOf(plain, makePlan(plain, 2));

@@ -238,8 +238,76 @@ TEST(LightOnCells, IsNearerToBruteForceThanWindowsForALampInSmoke) {
     EXPECT_LT(cells, 0.03);
 }
 
-// A sphere counts as a lamp. The light of a uniform medium is the integral over the cone that it fills. Cells that
-// spheres share interpolate what 12 points know to about 1 %; in the middle between them they are the mean of eight.
+// Without shadows, a lamp in a cube so thin that the eye sees through it sends I / r^2 everywhere, whatever the cube
+// would hold back; a wall does not stop it either.
+TEST(LightOnCells, OfALampWithoutShadowsIsNotAttenuated) {
+    ViewScene scene = uniformCube();
+    scene.lights = {lamp({1.3, -2.2, 0.7}, 50)};
+    scene.lights[0].shadows = false;
+    scene.solids = oneSolid(squareMesh({3, -2, 1}, {1, 0, 0}, 8), false);
+    EXPECT_EQ(planCellLights(scene).lights.size(), 1u);
+    for (const Vec3& ws : {Vec3(0), Vec3(6, -4, 5), Vec3(-5, 2, -1)}) {
+        const Vec3 way = ws - scene.lights[0].wsPosition;
+        const double expected = 50 / (kSphere * glm::dot(way, way));
+        EXPECT_NEAR(lightAt(scene, ws), expected, 1e-4 * expected) << ws.x << " " << ws.y << " " << ws.z;
+    }
+}
+
+// Dense voxels fade light within a sheet as an exponential: with sheets of 1.3 optical depths, halves of them that
+// count apart leave less than a third of the error that one place in the middle has.
+TEST(LightOnCells, InThickSheetsIsNearlyThatInThinOnes) {
+    ViewScene scene = smokeScene();
+    scene.volumes[0].medium.densityScale = 1;
+    scene.lights = {areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9)};
+    scene.lights[0].shadow = ShadowMethod::cells;
+    scene.dials.lightCell = 0.5;
+    const auto pictureOf = [&](double thickness) {
+        scene.dials.sheetThickness = thickness;
+        return renderScene(scene).image.rgba;
+    };
+    const std::vector<float> thin = pictureOf(0.15), thick = pictureOf(0.8);
+    double squares = 0, all = 0;
+    for (std::size_t i = 0; i < thin.size(); ++i) {
+        if (i % 4 == 3) continue;
+        squares += std::pow(double(thick[i]) - double(thin[i]), 2);
+        all += std::pow(double(thin[i]), 2);
+    }
+    std::printf("thick %.5f\n", std::sqrt(squares / all));
+    EXPECT_LT(std::sqrt(squares / all), 0.02);
+}
+
+// The light of a sphere of radiance 7 at a distance r of its centre: in a uniform medium the integral over the cone
+// that it fills.
+double lightOfSphere(double radius, double r, double sigma) {
+    const double least = std::sqrt(1 - std::pow(radius / r, 2));
+    double sum = 0;
+    constexpr int kSteps = 2000;
+    for (int i = 0; i < kSteps; ++i) {
+        const double mu = least + (1 - least) * (i + 0.5) / kSteps;
+        sum += std::exp(-sigma * (r * mu - std::sqrt(std::pow(r * mu, 2) - r * r + radius * radius)));
+    }
+    return 7 / kSphere * 2 * std::numbers::pi * (1 - least) / kSteps * sum;
+}
+
+// At the surface light comes from all of a half-space. Where voxels are dense, cells that know it from a few points
+// within the sphere are off by up to a third there.
+TEST(LightOnCells, OfASphereInADenseCubeIsRightAtItsSurface) {
+    constexpr double kDense = 1;
+    ViewScene scene = orthographicScene(boxField(Int3(-10), Int3(9)), {kDense, Rgb(1), {}}, 24, 24);
+    scene.lights = {areaLight(AreaShape::sphere, {0.3, -0.2, 0.4}, 2, 0)};
+    scene.lights[0].intensity = Rgb(7);
+    for (const double edge : {0.5, 1.0})
+        for (const double beyond : {0.05, 0.25, 0.5, 1.0, 1.5})
+            for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, -0.6, 0.8), Vec3(-0.48, 0.64, 0.6)}) {
+                const Vec3 ws = scene.lights[0].wsPosition + (2 + beyond) * way;
+                const double expected = lightOfSphere(2, 2 + beyond, kDense);
+                EXPECT_NEAR(lightAt(scene, ws, edge), expected, 0.03 * expected)
+                    << beyond << " beyond, cells of " << edge << ", way " << way.x << " " << way.y;
+            }
+}
+
+// A sphere counts as a lamp. Cells that spheres share interpolate what 12 points know to about 1 %; in the middle
+// between them they are the mean of eight.
 TEST(LightOnCells, OfASphereInTheCubeIsTheIntegralOverItsSolidAngle) {
     ViewScene scene = uniformCube();
     for (const double radius : {0.3, 0.8, 2.0}) {
@@ -254,15 +322,8 @@ TEST(LightOnCells, OfASphereInTheCubeIsTheIntegralOverItsSolidAngle) {
         ASSERT_TRUE(lampsShareCells(scene));
         for (const Vec3& cell : {Vec3(2.5, 0, 0), Vec3(-3, 1, 2), Vec3(0, -6, 1), Vec3(1, 1, 8), Vec3(-4, -4, -4)}) {
             const Vec3 ws = cell + 0.25;
-            const double r = glm::distance(ws, scene.lights[0].wsPosition),
-                         least = std::sqrt(1 - std::pow(radius / r, 2));
-            double sum = 0;
-            constexpr int kSteps = 2000;
-            for (int i = 0; i < kSteps; ++i) {
-                const double mu = least + (1 - least) * (i + 0.5) / kSteps;
-                sum += std::exp(-kSigma * (r * mu - std::sqrt(std::pow(r * mu, 2) - r * r + radius * radius)));
-            }
-            const double expected = 7 / kSphere * 2 * std::numbers::pi * (1 - least) / kSteps * sum;
+            const double r = glm::distance(ws, scene.lights[0].wsPosition);
+            const double expected = lightOfSphere(radius, r, kSigma);
             EXPECT_NEAR(lightAt(alone, ws, 0.5), expected, 0.01 * expected) << radius << " at " << r;
             EXPECT_NEAR(lightAt(scene, ws, 0.5), expected, 0.015 * expected) << radius << " at " << r << ", shared";
         }
@@ -350,11 +411,13 @@ TEST(LightOnCells, BelongsToItsLayerAndToTheVolumesThatItLights) {
         }
 }
 
-TEST(LightOnCells, GivesThePictureOfShadowBuffersForASpreadAndACylinder) {
+TEST(LightOnCells, GivesThePictureOfShadowBuffersForSurfacesOfAllKinds) {
     ViewScene scene = perspectiveSmoke({0.4});
     Light narrow = areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9);
     std::get<Light::Area>(narrow.kind).spread = 60;
-    for (const Light& light : {narrow, areaLight(AreaShape::cylinder, {-20, 12, 10}, 4, 24)}) {
+    const Light wide = areaLight(AreaShape::sphere, {-35, 20, 30}, 10, 24);  // too wide to be a lamp
+    ASSERT_FALSE(isLampOnCells(scene, wide));
+    for (const Light& light : {narrow, areaLight(AreaShape::cylinder, {-20, 12, 10}, 4, 24), wide}) {
         scene.lights = {light};
         EXPECT_LT(errorOnCells(scene), kTwoWays);
         scene.lights[0].samples = 0;
@@ -538,6 +601,12 @@ TEST(LightOnCells, AreLeftToShadowBuffersWhereAFewPointsLightDenseVoxels) {
     scene.lights[0] = areaLight(AreaShape::disk, {60, 40, 30}, 30, 0);
     ASSERT_GE(subLightCount(scene, scene.lights[0]), 16);
     EXPECT_TRUE(onCells(0.35));
+    // The finest cells are a quarter of a voxel.
+    ASSERT_LT(subLightCount(scene, scene.lights[0]), 64);
+    EXPECT_TRUE(onCells(1.1));
+    EXPECT_FALSE(onCells(1.3));
+    scene.lights[0].wsPosition = {2, 1, 0};  // among the voxels buffers would take windows of directions
+    EXPECT_TRUE(onCells(1.3));
 }
 
 }  // namespace

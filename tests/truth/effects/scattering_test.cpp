@@ -238,12 +238,12 @@ TEST(MultipleScattering, ConvergesWithTheCells) {
 TEST(MultipleScattering, TakesFewSweepsHoweverOftenLightScatters) {
     const ViewScene scene = smoke(1, 0.999, 0, {1, -1, 0});
     const std::vector<ScatterClass> classes = scatterClasses(scene, 64);
-    const CellMedia media = cellMedia(scene, classes, 2);
+    const CellMedia media = cellMedia(scene, classes, 2, Simd());
     const auto solve = [&](bool accelerate, int most) {
         const Ordinates set = ordinates(64);
         TransportSolver solver(media, classes, {set, 1e-3, most, accelerate, {}, {}});
         const TransportPlan plan = planTransport(scene);
-        fillSource(scene, media, classes, plan.targets.front(), 0, set, {}, solver);
+        fillSource(scene, media, classes, plan.targets.front(), 0, set, {}, false, solver);
         return solver.solve(0, {});
     };
     const Solved fast = solve(true, 60), slow = solve(false, 400), stopped = solve(false, 3);
@@ -300,6 +300,96 @@ TEST(MultipleScattering, LayersAddUpToTheBeauty) {
         }
     EXPECT_LT(worst, 1e-5 * most);
     EXPECT_LT(apart, 0.005 * most);  // solved one by one each stops at its own scatter_error
+}
+
+Frame renderApart(ViewScene scene) {
+    scene.layers = {Layer::indirect};
+    return renderScene(scene);
+}
+
+// What is left without the layer of light that has scattered more than once is the picture in which light scatters
+// once: exactly for lights with shadow buffers, whose first scattering is another computation than all others. An
+// octave is one more scattering.
+TEST(MultipleScattering, IsALayerOfItsOwnBesideSingleScattering) {
+    ViewScene full = smoke(0.3, 0.95, 0.3, {1, -1, 0});
+    full.lights.push_back(lamp({0, 30, 10}, 500));
+    full.dials.shade = ShadeMode::pixel;
+    for (Light& light : full.lights) light.shadow = ShadowMethod::buffers;
+    ViewScene octaves = full, single = full;
+    single.volumes[0].medium.scattering = Scattering::single;
+    octaves.volumes[0].medium.scattering = Scattering::octaves;
+    octaves.volumes[0].medium.octaves = {4, 0.5, 0.5, 0.5};
+    const Frame once = renderScene(single), none = renderApart(single);
+    EXPECT_EQ(none.layers[0].data, std::vector<float>(none.layers[0].data.size()));
+    for (const ViewScene& scene : {full, octaves}) {
+        const Frame plain = renderScene(scene), apart = renderApart(scene);
+        double most = 0, indirect = 0;
+        for (const float value : plain.image.rgba) most = std::max(most, double(value));
+        for (std::size_t i = 0; i < plain.image.rgba.size() / 4; ++i)
+            for (std::size_t c = 0; c < 3; ++c) {
+                const std::size_t at = 4 * i + c;
+                const double again = double(apart.layers[0].data[3 * i + c]);
+                indirect = std::max(indirect, again);
+                ASSERT_NEAR(apart.image.rgba[at], plain.image.rgba[at], 1e-6 * most) << i;
+                // Sums of a few hundred floats.
+                ASSERT_NEAR(apart.image.rgba[at] - again, once.image.rgba[at], 3e-5 * most) << i;
+            }
+        EXPECT_GT(indirect, 0.05 * most);
+    }
+}
+
+// Skies and ambient light come in through the border of the cells: of that light, too, the first scattering is apart.
+// As cells get smaller, it becomes the picture in which the sky's light scatters once, which has cells of its own.
+TEST(MultipleScattering, OfASkyIsALayerOfItsOwn) {
+    ViewScene scene = smoke(0.3, 0.9, 0, {0, -1, 0});
+    Light dome;
+    dome.kind = Light::Dome{};
+    dome.intensity = Rgb(1);
+    scene.lights = {dome};
+    scene.dials.scatterCell = 1;
+    scene.dials.lightCell = 1;
+    scene.dials.lightError = 0.002;
+    ViewScene single = scene;
+    single.volumes[0].medium.scattering = Scattering::single;
+    const Frame plain = renderScene(scene), apart = renderApart(scene), once = renderScene(single);
+    double squares = 0, sum = 0, all = 0, changed = 0;
+    for (std::size_t i = 0; i < plain.image.rgba.size() / 4; ++i) {
+        const double direct = double(apart.image.rgba[4 * i]) - double(apart.layers[0].data[3 * i]);
+        squares += std::pow(direct - double(once.image.rgba[4 * i]), 2);
+        sum += std::pow(double(once.image.rgba[4 * i]), 2);
+        all += double(plain.image.rgba[4 * i]);
+        changed = std::max(changed, std::abs(double(plain.image.rgba[4 * i]) - double(apart.image.rgba[4 * i])));
+    }
+    EXPECT_LT(std::sqrt(squares / sum), 0.03);
+    EXPECT_GT(all, 1.5 * std::sqrt(sum));
+    EXPECT_LT(changed, 1e-5);
+    // Ambient light is a sky of one colour.
+    scene.lights.clear();
+    scene.ambient = Rgb(1);
+    const Frame ambient = renderApart(scene);
+    for (std::size_t i = 0; i < plain.image.rgba.size() / 4; ++i)
+        ASSERT_NEAR(ambient.layers[0].data[3 * i], apart.layers[0].data[3 * i], 1e-4) << i;
+}
+
+// A cloud beside smoke in which light scatters once and which no light lights: all of its light comes from the cloud,
+// and part of it goes back. The path tracer lets such smoke scatter one time of a path.
+TEST(MultipleScattering, LightsSmokeThatScattersOnceAndIsLitByIt) {
+    for (const double g : {0.0, 0.5})
+        for (const bool linked : {false, true}) {
+            ViewScene scene = smoke(0.4, 0.99, g, {1, -0.5, -0.3});
+            scene.volumes.push_back(scene.volumes[0]);
+            ViewVolume& once = scene.volumes.back();
+            once.medium.scattering = Scattering::single;
+            once.medium.densityScale = 0.1;
+            once.wsFromIs[3] = {26, 3, 0, 1};
+            if (!linked) once.lights = {false};
+            scene.camera.height = 90;
+            const BlockError e = blockError(scene, 256);
+            EXPECT_LT(e.error, 0.03 + e.noise) << g << " " << linked;
+            // Without light between them: the smoke that no light lights is black.
+            const Frame frame = renderScene(scene);
+            EXPECT_GT(pixelOf(frame, 39, 24)[1], linked ? 0.0 : 1e-4) << g;
+        }
 }
 
 // What glows lights the smoke around it, and the sky is shadowed by it.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenes.h"
+#include "support/luminaires.h"
 
 #include <scrim/base/parallel.h>
 #include <scrim/verify/path_tracer.h>
@@ -104,12 +105,40 @@ const std::vector<EffectCase>& effectCases() {
              s.volumes.back().wsFromIs[3] = {6, -5, 4, 1};
              s.volumes.back().lights = {false, true};
          }},
+        {"shadow linking",
+         [](ViewScene& s) {
+             s.volumes.push_back(s.volumes.front());
+             s.volumes.back().wsFromIs[3] = {6, -5, 4, 1};
+             s.volumes.front().shadows = {true, false};
+             s.volumes.push_back(s.volumes.front());
+             s.volumes.back().wsFromIs[3] = {-8, 7, 9, 1};
+             s.volumes.back().shadows = {false, false};
+         }},
+        {"shadow linking of two tints",
+         [](ViewScene& s) {
+             medium(s).extinctionTint = {1, 0.6, 0.3};
+             s.volumes.push_back(s.volumes.front());
+             s.volumes.back().wsFromIs[3] = {6, -5, 4, 1};
+             s.volumes.back().medium.extinctionTint = {0.2, 0.5, 1};
+             s.volumes.back().shadows = {false, true};
+             s.volumes.push_back(s.volumes.front());
+             s.volumes.back().wsFromIs[3] = {-8, 7, 9, 1};
+             s.volumes.back().shadows = {true, false};
+         }},
         {"two interpolations",
          [](ViewScene& s) {
              s.volumes.front().kernel = Kernel::bspline;
              s.volumes.push_back(s.volumes.front());
              s.volumes.back().kernel.reset();
              s.volumes.back().wsFromIs[3] = {6, -5, 4, 1};
+         }},
+        {"luminaire",
+         [](ViewScene& s) {
+             Light& light = s.lights[0];
+             light.kind = Light::Point{};
+             light.wsPosition = -60.0 * light.wsDirection;
+             light.intensity *= 3600.0;
+             light.luminaire = luminaireOf("batwing");
          }},
         {"ambient",
          [](ViewScene& s) {

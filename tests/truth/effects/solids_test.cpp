@@ -212,6 +212,9 @@ TEST(CaughtShadow, IsTheTransmittanceOfASlab) {
         EXPECT_EQ(shadow(1, 10, 10, c), 1);  // it throws none
         EXPECT_EQ(shadow(0, 1, 1, c), 1);    // beside the floor
     }
+    scene.volumes[0].shadows = {false, true};
+    EXPECT_EQ(renderScene(scene).layers[0].data[3 * (10 * 20 + 10)], 1) << "it casts none in this light";
+    scene.volumes[0].shadows = {};
     // Something that does not catch stands in front.
     scene.solids = std::make_shared<const Solids>(
         std::vector<Solid>{{"floor", squareMesh({0, 0, -15}, {0, 0, 1}, 6), Mat4(1.0), true, false, true},
@@ -220,6 +223,54 @@ TEST(CaughtShadow, IsTheTransmittanceOfASlab) {
     const auto red = [&](int x) { return behind.layers[0].data[static_cast<std::size_t>(3 * (10 * 20 + x))]; };
     EXPECT_EQ(red(6), 1);
     EXPECT_NEAR(red(12), std::exp(-0.5), 1e-3);
+}
+
+// Eight pixels a voxel: few of the rays to the light are marched, and between them what arrives is nearly straight over
+// half a voxel. A crop is the same.
+TEST(CaughtShadow, OfSmokeIsThatOfARayFromEachPixel) {
+    ViewScene scene = orthographicScene(smokeField(12), {0.25, Rgb(0.9), {}}, 30, 240);
+    scene.lights = {distantLight({0.3, 0.2, -1}, 1)};
+    scene.layers = {Layer::shadow};
+    scene.dials.sheetThickness = 0.5;
+    scene.solids = oneSolid(squareMesh({3, 2, -16}, {0.3, 0.1, 1}, 10), false, false, true);
+    const Frame frame = renderScene(scene);
+    const Reference reference(scene);
+    const RayFamily rays = wsRays(scene.camera);
+    int count = 0, shadowed = 0;
+    double squares = 0, worst = 0;
+    for (int y = 3; y < 240; y += 7)
+        for (int x = 3; x < 240; x += 7) {
+            const Vec3 origin = rays.origin(x + 0.5, y + 0.5), direction = rays.direction(x + 0.5, y + 0.5);
+            const double t = scene.solids->firstHit(SolidRole::catcher, origin, direction, rays.near, 1e6);
+            const Vec3 ws = origin + t * direction;
+            const double tau = t < 1e6 ? reference.opticalDepth(ws, ws - 60.0 * scene.lights[0].wsDirection).x : 0;
+            const double truth = std::exp(-tau);
+            const double off = frame.layers[0].data[std::size_t(3 * (y * 240 + x))] - truth;
+            squares += off * off;
+            worst = std::max(worst, std::abs(off));
+            shadowed += truth < 0.9 ? 1 : 0;
+            ++count;
+        }
+    EXPECT_GT(shadowed, count / 6);
+    EXPECT_LT(std::sqrt(squares / count), 0.001);
+    EXPECT_LT(worst, 0.01);
+    EXPECT_LT(frame.work.caughtRays, 240u * 240u / 6);
+
+    const CaughtDifference seen = differenceOfCaught(scene, frame, 100);
+    EXPECT_EQ(seen.values, 300);
+    EXPECT_LT(seen.rms, 0.002);
+    Frame wrong = frame;
+    for (float& value : wrong.layers[0].data) value -= 0.01f;
+    EXPECT_NEAR(differenceOfCaught(scene, wrong, 100).rms, 0.01, 0.002);
+
+    scene.picture = scene.region;
+    scene.region = {57, 70, 131, 122};
+    const Frame crop = renderScene(scene);
+    for (int y = 70; y < 122; ++y)
+        for (int x = 57; x < 131; ++x)
+            ASSERT_EQ(crop.layers[0].data[std::size_t(3 * ((y - 70) * 74 + x - 57))],
+                      frame.layers[0].data[std::size_t(3 * (y * 240 + x))])
+                << x << ", " << y;
 }
 
 }  // namespace

@@ -197,5 +197,35 @@ TEST(LightLinking, LeavesALightWithoutAVolumeItsShadow) {
     EXPECT_LT(pixelOf(shaded, 24, 24)[0], 0.9 * pixelOf(unshaded, 24, 24)[0]);
 }
 
+TEST(ShadowLinking, ToNoLightIsALightWithoutShadows) {
+    for (const ShadeMode shade : {ShadeMode::texel, ShadeMode::pixel}) {
+        ViewScene scene = sceneWith("light linking"), plain = scene;
+        scene.dials.shade = plain.dials.shade = shade;
+        for (ViewVolume& volume : scene.volumes) volume.shadows = {false, true};
+        plain.lights[0].shadows = false;
+        const Frame linked = renderScene(scene), unshadowed = renderScene(plain);
+        for (std::size_t i = 0; i < linked.image.rgba.size(); ++i)
+            ASSERT_NEAR(linked.image.rgba[i], unshadowed.image.rgba[i], 2e-5) << i;
+    }
+}
+
+TEST(ShadowLinking, HoldsForVolumesThatAreHeldOut) {
+    ViewScene scene = sceneWith("shadow linking of two tints");
+    scene.volumes[1].holdout = true;
+    scene.dials.texel = scene.dials.sheetThickness = 0.7;
+    expectConvergence(scene, 40, 1, 0.01);
+}
+
+// A lamp on cells would ignore the links, and so would its sub-lights if they did not inherit them.
+TEST(ShadowLinking, HoldsForExtendedLights) {
+    ViewScene scene = sceneWith("shadow linking");
+    scene.lights[0].kind = Light::Area{AreaShape::rectangle, 30, 30};
+    scene.lights[0].wsPosition = -60.0 * scene.lights[0].wsDirection;
+    scene.lights[0].intensity *= 4.0;
+    scene.dials.texel = scene.dials.sheetThickness = 0.7;
+    expectConvergence(scene, 12, 1, 0.01);
+    EXPECT_EQ(makePlan(scene, 2).cellLights.unfit, "volume 'volume' casts shadows in some lights only");
+}
+
 }  // namespace
 }  // namespace scrim::test

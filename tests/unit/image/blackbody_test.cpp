@@ -148,11 +148,11 @@ TEST(Blackbody, RadianceIsStefansAndBoltzmanns) {
 
 TEST(BlackbodyRamp, IsWithinAFiveHundredthBetweenItsPoints) {
     const Blackbody blackbody(ownConfig());
-    for (const bool normalize : {true, false}) {
-        const auto ramp = blackbody.ramp(1500, 0, normalize);
+    for (const double physical : {0.0, 0.25, 0.5, 1.0}) {
+        const auto ramp = blackbody.ramp(1500, 0, physical);
         for (double kelvin = 100; kelvin < 45000; kelvin *= 1.0071) {
             const double held = std::min(kelvin, kHottestColour);
-            const double luminance = normalize ? 1 : blackbodyRadiance(held);
+            const double luminance = std::pow(blackbodyRadiance(held), physical);
             expectNear(at(ramp, kelvin / 1500), blackbody.colour(held) * luminance, 0.002 * luminance,
                        std::to_string(kelvin) + " K");
         }
@@ -163,7 +163,7 @@ TEST(BlackbodyRamp, Ascends) {
     const Blackbody blackbody(ownConfig());
     for (const double offset : {-1e6, -273.15, -1e-9, 0.0, 1e-9, 0.5, 1.0, 273.15, 1e6})
         for (const double scale : {1e-9, 1.0, 1e9}) {
-            const auto ramp = blackbody.ramp(scale, offset, true);
+            const auto ramp = blackbody.ramp(scale, offset, 0);
             EXPECT_LT(ramp.size(), 500u);
             for (std::size_t i = 1; i < ramp.size(); ++i)
                 // floats keep them apart, too
@@ -175,16 +175,16 @@ TEST(BlackbodyRamp, Ascends) {
 TEST(BlackbodyRamp, IsBlackBelowZeroKelvinOnly) {
     const Blackbody blackbody(ownConfig());
     const Rgb cold = blackbody.colour(0);
-    EXPECT_EQ(at(blackbody.ramp(1500, 0, true), 0), cold);
-    EXPECT_EQ(at(blackbody.ramp(1500, 0, true), 1e-9), cold);
-    EXPECT_EQ(at(blackbody.ramp(1500, 0, true), -1), Rgb(0));
-    EXPECT_EQ(at(blackbody.ramp(1500, 0, false), 0), Rgb(0));
-    EXPECT_EQ(at(blackbody.ramp(1500, -500, true), 0), Rgb(0));
-    EXPECT_EQ(at(blackbody.ramp(1500, -600, true), 0.4), Rgb(0)) << "0 K";
-    expectNear(at(blackbody.ramp(1500, -600, true), 0.41), cold, 1e-12, "15 K");
-    expectNear(at(blackbody.ramp(1, 273.15, true), 0), cold, 1e-12, "0 C");
-    EXPECT_EQ(at(blackbody.ramp(1, 273.15, true), -274), Rgb(0));
-    expectNear(at(blackbody.ramp(1, 2000, true), 0), blackbody.colour(2000), 0.002, "2000 K");
+    EXPECT_EQ(at(blackbody.ramp(1500, 0, 0), 0), cold);
+    EXPECT_EQ(at(blackbody.ramp(1500, 0, 0), 1e-9), cold);
+    EXPECT_EQ(at(blackbody.ramp(1500, 0, 0), -1), Rgb(0));
+    EXPECT_EQ(at(blackbody.ramp(1500, 0, 1), 0), Rgb(0));
+    EXPECT_EQ(at(blackbody.ramp(1500, -500, 0), 0), Rgb(0));
+    EXPECT_EQ(at(blackbody.ramp(1500, -600, 0), 0.4), Rgb(0)) << "0 K";
+    expectNear(at(blackbody.ramp(1500, -600, 0), 0.41), cold, 1e-12, "15 K");
+    expectNear(at(blackbody.ramp(1, 273.15, 0), 0), cold, 1e-12, "0 C");
+    EXPECT_EQ(at(blackbody.ramp(1, 273.15, 0), -274), Rgb(0));
+    expectNear(at(blackbody.ramp(1, 2000, 0), 0), blackbody.colour(2000), 0.002, "2000 K");
 }
 
 }  // namespace

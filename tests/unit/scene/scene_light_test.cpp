@@ -56,6 +56,25 @@ TEST(SceneLight, ReadsEveryKeyOfASpot) {
     EXPECT_TRUE(light("type = \"point\"\nposition = [0, 5, 0]\ndecay = \"inverse-square\"\n").point().decay);
 }
 
+TEST(SceneLight, MayHaveALuminaireThatHangsUprightUnlessItIsAimed) {
+    const std::string point = "type = \"point\"\nposition = [1, 2, 3]\nies = \"lamp.##.ies\"\n";
+    const Light hanging = light(point, 7);
+    ASSERT_TRUE(hanging.luminaire);
+    EXPECT_EQ(hanging.luminaire->file, "/shots/lamp.07.ies");
+    EXPECT_EQ(hanging.luminaire->where, "scene.toml:9:7");
+    EXPECT_EQ(hanging.wsDirection, Vec3(0, -1, 0));
+    const Light aimed = light(point + "target = [1, 2, 9]\nup = [2, 0, 0]\n");
+    EXPECT_EQ(aimed.wsDirection, Vec3(0, 0, 1));
+    EXPECT_EQ(aimed.wsUp, Vec3(1, 0, 0));
+    const std::string spot = "type = \"spot\"\nposition = [0, 5, 0]\ndirection = [1, 0, 0]\nies = \"lamp.ies\"\n";
+    EXPECT_EQ(light(spot).wsDirection, Vec3(1, 0, 0));
+    EXPECT_TRUE(light(spot).luminaire);
+    const Light circling = light("type = \"point\"\nies = \"a.ies\"\norbit = { center = [0, 0, 0], radius = 2 }\n");
+    EXPECT_NEAR(glm::distance(circling.wsDirection, -0.5 * circling.wsPosition), 0, 1e-12);
+    EXPECT_FALSE(light("type = \"point\"\nposition = [1, 2, 3]\n").luminaire);
+    EXPECT_NE(lightError("type = \"distant\"\ndirection = [0, 0, -1]\nies = \"lamp.ies\"\n"), "");
+}
+
 TEST(SceneLight, MayBeKeyed) {
     const Light l = light(
         "type = \"spot\"\nposition = { keys = [[1, [0, 0, 0]], [3, [2, 0, 0]]] }\ntarget = [1, -1, 0]\n"
@@ -91,11 +110,12 @@ TEST(SceneLight, KeysBelongToTypes) {
         "scene.toml:9:1: 'radius' is not known here ([[light]] 'light1' of type 'distant'); allowed: 'name', "
         "'group', 'type', 'direction', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'angle', 'samples', "
         "'slide', 'shadows' or 'shadow'");
-    EXPECT_EQ(lightError("type = \"point\"\nposition = [0, 0, 0]\ncone = 30\n"),
-              "scene.toml:9:1: 'cone' is not known here ([[light]] 'light1' of type 'point'); allowed: 'name', "
-              "'group', 'type', "
-              "'position', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'radius', 'decay', 'slide', "
-              "'shadows' or 'shadow'");
+    EXPECT_EQ(
+        lightError("type = \"point\"\nposition = [0, 0, 0]\ncone = 30\n"),
+        "scene.toml:9:1: 'cone' is not known here ([[light]] 'light1' of type 'point'); allowed: 'name', "
+        "'group', 'type', "
+        "'position', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'radius', 'decay', 'ies', 'slide', "
+        "'shadows' or 'shadow'");
     EXPECT_EQ(lightError("type = \"cylinder\"\n"),
               "scene.toml:7:8: 'type' is the string \"cylinder\"; expected 'distant', 'point', 'spot', 'projector', "
               "'area' or 'dome'");
@@ -190,6 +210,23 @@ TEST(SceneLight, ReadsEveryAreaLight) {
     EXPECT_NEAR(sphere.area()->area(), 16 * std::acos(-1.0), 1e-12);
 }
 
+TEST(SceneLight, OfAMeshHasItsName) {
+    const std::string tube = "[[mesh]]\nname = \"tube\"\nfile = \"tube.obj\"\n",
+                      area = "type = \"area\"\nshape = \"mesh\"\n";
+    const Light lamp = light(area + "mesh = \"tube\"\nintensity = 3\nnormalize = true\n" + tube);
+    EXPECT_EQ(lamp.area()->mesh, "tube");
+    EXPECT_EQ(lamp.intensity, Rgb(3)) << "divided once the mesh is there";
+    EXPECT_NE(lightError(area + tube).find(" lacks 'mesh'"), std::string::npos) << lightError(area + tube);
+    EXPECT_NE(lightError(area + "mesh = \"tub\"\n" + tube)
+                  .find(": there is no mesh 'tub'; did you mean 'tube'?; expected 'tube'"),
+              std::string::npos);
+    EXPECT_NE(lightError(area + "mesh = \"tube\"\nposition = [0, 0, 0]\n" + tube).find("'position' is not known here"),
+              std::string::npos);
+    EXPECT_NE(lightError(area + "mesh = \"tube\"\nslide = { file = \"a.png\" }\n" + tube)
+                  .find("only a rectangle can have one"),
+              std::string::npos);
+}
+
 // UsdLux' meaning: the power stays, whatever the size.
 TEST(SceneLight, IsDividedByItsAreaWhereNormalized) {
     EXPECT_EQ(
@@ -236,8 +273,9 @@ TEST(SceneLight, HasTheColourOfItsTemperature) {
 }
 
 TEST(SceneLight, SaysWhatAnAreaLightOrDomeLacks) {
-    EXPECT_NE(lightError(kBox + "shape = \"cone\"\n").find("expected 'rectangle', 'disk', 'sphere' or 'cylinder'"),
-              std::string::npos);
+    EXPECT_NE(
+        lightError(kBox + "shape = \"cone\"\n").find("expected 'rectangle', 'disk', 'sphere', 'cylinder' or 'mesh'"),
+        std::string::npos);
     EXPECT_NE(lightError(kBox).find("'shape'"), std::string::npos);
     EXPECT_NE(lightError(kBox + "shape = \"rectangle\"\nwidth = 1\n").find("'height'"), std::string::npos);
     EXPECT_NE(lightError(kBox + "shape = \"disk\"\nradius = 0\n").find("expected a length above 0"), std::string::npos);

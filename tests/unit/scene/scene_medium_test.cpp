@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // [volume.medium]: phases, tint, octaves, and what grids give: albedo, emission, black bodies.
 #include <scrim/image/blackbody.h>
+#include <scrim/scene/ramp.h>
 #include <scrim/scene/scene_reader.h>
 
 #include "support/temp_folder.h"
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 namespace scrim {
@@ -44,8 +46,9 @@ TEST(SceneMedium, HasDefaults) {
 TEST(SceneMedium, RefusesUnknownKeys) {
     EXPECT_EQ(errorIn("emision = { grid = \"flame\" }"),
               "scene.toml:7:1: 'emision' is not known here ([volume.medium] of [[volume]] 'volume1'); did you mean "
-              "'emission'?; allowed: 'albedo', 'extinction_tint', 'phase', 'scattering', 'octaves', 'emission' or "
-              "'blackbody'");
+              "'emission'?; allowed: 'albedo', 'extinction_tint', 'transparency', 'transparency_depth', 'phase', "
+              "'scattering', "
+              "'octaves', 'emission' or 'blackbody'");
 }
 
 // ---- phase
@@ -247,20 +250,78 @@ TEST(SceneBlackbody, IsARampOverTheGrid) {
     EXPECT_EQ(e.where, "scene.toml:7:22");
     EXPECT_TRUE(e.blackbody);
     EXPECT_EQ(e.scale, 3);
-    EXPECT_EQ(e.ramp, Blackbody(ownColours()).ramp(1500, -200, false));
+    EXPECT_EQ(e.ramp, Blackbody(ownColours()).ramp(1500, -200, 1));
 }
 
 TEST(SceneBlackbody, HasDefaults) {
     const SceneVolume v = volume("blackbody = { grid = \"temperature\" }");
-    EXPECT_EQ(v.emission.at(0).ramp, Blackbody(ownColours()).ramp(1, 0, false));
+    EXPECT_EQ(v.emission.at(0).ramp, Blackbody(ownColours()).ramp(1, 0, 1));
     EXPECT_EQ(v.emission.at(0).scale, 1);
 }
 
 TEST(SceneBlackbody, TakesTheTemperaturesOfGridValuesZeroAndOne) {
     const SceneVolume v = volume("blackbody = { grid = \"heat\", kelvin = [500, 1900] }");
-    EXPECT_EQ(v.emission.at(0).ramp, Blackbody(ownColours()).ramp(1400, 500, false));
+    EXPECT_EQ(v.emission.at(0).ramp, Blackbody(ownColours()).ramp(1400, 500, 1));
     EXPECT_EQ(v.emission.at(0).kelvinScale, 1400);
     EXPECT_EQ(v.emission.at(0).kelvinOffset, 500);
+}
+
+TEST(SceneBlackbody, BlendsFromEquallyBrightToPhysical) {
+    // Stefan and Boltzmann: at intensity 1 a body of 1500 K has the radiance 0.0914 MW/(m^2 sr), T^4 as T.
+    const auto brightness = [](const std::string& keys, double kelvin) {
+        const auto ramp = volume("blackbody = { grid = \"heat\", " + keys + " }").emission.at(0).ramp;
+        const Rgb colour = ramped(ramp, kelvin), pure = ramped(Blackbody(ownColours()).ramp(1, 0, 0), kelvin);
+        return colour.x / pure.x;
+    };
+    for (const double kelvin : {1000.0, 1500.0, 2500.0}) {
+        const double physical = 5.670374419e-14 / 3.14159265358979 * std::pow(kelvin, 4);
+        EXPECT_NEAR(brightness("physical_intensity = 1", kelvin) / physical, 1, 0.004) << kelvin;
+        EXPECT_NEAR(brightness("physical_intensity = 0", kelvin), 1, 1e-12) << kelvin;
+        EXPECT_NEAR(brightness("physical_intensity = 0.5", kelvin) / std::sqrt(physical), 1, 0.004) << kelvin;
+        EXPECT_EQ(brightness("normalize = true", kelvin), brightness("physical_intensity = 0", kelvin));
+        EXPECT_EQ(brightness("normalize = false", kelvin), brightness("physical_intensity = 1", kelvin));
+    }
+    const std::string blackbody = "[volume.medium]\nblackbody = { grid = 'heat', ";
+    EXPECT_EQ(errorOf(test::kCamera + test::kVolume + blackbody + "physical_intensity = 1.5 }"),
+              "scene.toml:7:51: 'physical_intensity' is 1.5; expected a number from 0 to 1");
+    EXPECT_EQ(errorOf(test::kCamera + test::kVolume + blackbody + "normalize = true, physical_intensity = 1 }"),
+              "scene.toml:7:69: 'blackbody' of [volume.medium] of [[volume]] 'volume1' has both 'normalize' and "
+              "'physical_intensity'; expected one of them");
+    EXPECT_TRUE(test::read(test::kCamera + test::kVolume + blackbody + "physical_intensity = 1 }").warnings.empty())
+        << "whoever says it knows what 'normalize' does";
+}
+
+// ---- transparency
+
+TEST(SceneTransparency, IsTheColourOfLightAfterADepth) {
+    // Beer and Lambert: exp(-extinction * depth) is the colour, whatever the depth.
+    const Rgb colour(0.8, 0.5, 1);
+    for (const double depth : {1.0, 0.25, 40.0}) {
+        const SceneVolume v = volume("transparency = [0.8, 0.5, 1]\ntransparency_depth = " + std::to_string(depth));
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(std::exp(-v.medium.extinctionTint[c] * depth), colour[c], 1e-12);
+    }
+    // e^-1 after 1 is what a density of 1 does without the key.
+    const SceneVolume one = volume("transparency = [0.36787944117144233, 0.36787944117144233, 0.36787944117144233]");
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(one.medium.extinctionTint[c], 1, 1e-12);
+    EXPECT_EQ(volume("transparency = [1, 1, 1]").medium.extinctionTint, Rgb(0));
+}
+
+TEST(SceneTransparency, RefusesWhatNoExtinctionDoes) {
+    EXPECT_EQ(
+        errorIn("transparency = [0.5, 0, 1]"),
+        "scene.toml:7:16: 'transparency' is a list of 3; expected a colour of which some of each channel is left: "
+        "above 0, at most 1");
+    EXPECT_EQ(errorIn("transparency = [0.5, 1.5, 1]"),
+              "scene.toml:7:16: 'transparency' is 0.5, 1.5, 1 in the working space; expected numbers from 0 to 1");
+    EXPECT_EQ(errorIn("transparency = [0.5, 0.5, 1]\ntransparency_depth = 1e-8"),
+              "scene.toml:7:16: 'transparency' is reached so soon that extinction is above 1e+06; expected a greater "
+              "'transparency_depth'");
+    EXPECT_EQ(
+        errorIn("transparency_depth = 2"),
+        "scene.toml:7:22: [volume.medium] of [[volume]] 'volume1' has 'transparency_depth' without 'transparency'");
+    EXPECT_EQ(errorIn("transparency = [0.5, 0.5, 1]\nextinction_tint = [1, 1, 1]"),
+              "scene.toml:8:19: [volume.medium] of [[volume]] 'volume1' has both 'transparency' and 'extinction_tint'; "
+              "expected one of them");
 }
 
 TEST(SceneBlackbody, WarnsScenesThatRelyOnTheOldDefault) {

@@ -84,6 +84,43 @@ TEST(SceneOutput, IsChecked) {
               "scene.toml:7:36: 'view' is the string \"film\"; expected 'ACE");
 }
 
+TEST(SceneOutput, HasFurtherFilesInEitherForm) {
+    const std::string main = "file = \"a.####.exr\"\ntype = \"float\"\nlayers = [\"light\"]\n";
+    const std::string depth = "file = \"z.####.exr\"\nlayers = [\"volume\", \"depth\"]\ncompression = \"piz\"\n";
+    const std::string copy = "file = \"copy.exr\"\npicture = true\ntype = \"half\"\ncolorspace = \"lin_rec709\"\n";
+    const std::string inside = "[output]\n" + main + "[[output.files]]\n" + depth + "[[output.files]]\n" + copy;
+    const std::string list = "[[output]]\n" + main + "[[output]]\n" + depth + "[[output]]\n" + copy;
+    for (const std::string& text : {inside, list}) {
+        const SceneOutput out = read(kScene + text, {"output.compression=zips"}, 7).output;
+        EXPECT_EQ(out.file, "/shots/a.0007.exr");
+        EXPECT_EQ(out.layers, std::vector<Layer>{Layer::light});
+        EXPECT_TRUE(out.picture);
+        ASSERT_EQ(out.files.size(), 2u);
+        EXPECT_EQ(out.files[0].file, "/shots/z.0007.exr");
+        EXPECT_EQ(out.files[0].layers, (std::vector{Layer::depth, Layer::volume}));
+        EXPECT_FALSE(out.files[0].picture);
+        EXPECT_FALSE(out.files[0].half) << "as the picture's";
+        EXPECT_EQ(out.files[0].compression, "piz");
+        EXPECT_EQ(out.files[1].compression, "zips") << "as the picture's";
+        EXPECT_TRUE(out.files[1].half && out.files[1].picture);
+        EXPECT_EQ(out.files[1].colorspace, scrim::test::ownColours().resolve("lin_rec709"));
+        EXPECT_EQ(out.allLayers(), (std::vector{Layer::light, Layer::depth, Layer::volume}));
+    }
+}
+
+TEST(SceneOutput, SaysWhatIsWrongWithFurtherFiles) {
+    const auto fileError = [](const std::string& lines) {
+        return errorOf(kCamera + kVolume + "[output]\n[[output.files]]\n" + lines);
+    };
+    EXPECT_EQ(fileError("layers = [\"depth\"]\n"),
+              "scene.toml:7:1: [[files]] lacks 'file'; expected a path such as \"plume.z.####.exr\"");
+    EXPECT_EQ(fileError("file = \"z.exr\"\n"),
+              "scene.toml:7:1: [[files]] would hold nothing; expected 'layers', or 'picture' = true");
+    EXPECT_EQ(fileError("file = \"z.png\"\nlayers = [\"depth\"]\n"),
+              "scene.toml:8:8: 'file' is 'z.png'; expected a name that ends in '.exr'");
+    EXPECT_EQ(fileError("file = \"z.exr\"\nlayers = [\"depth\"]\nfps = 3\n").substr(0, 20), "scene.toml:10:1: 'fp");
+}
+
 TEST(SceneOutput, DeepPicturesAreReadAndChecked) {
     const SceneDeep none = read(kScene).output.deep;
     EXPECT_EQ(none.file, "");
@@ -122,14 +159,15 @@ TEST(SceneOutput, LayersAreInTheOrderOfTheEnumeration) {
 
 TEST(SceneOutput, LayersAreChecked) {
     const auto layersError = [](const std::string& lines) { return errorOf(kCamera + kVolume + "[output]\n" + lines); };
-    EXPECT_EQ(
-        layersError("layers = [\"depth\", \"normals\"]\n"),
-        "scene.toml:7:20: 'layers[1]' is the string \"normals\"; expected 'light', 'ambient', 'emission', 'albedo', "
-        "'depth', 'transmittance', 'shadow', 'volume', 'motion' or 'cryptomatte'");
+    EXPECT_EQ(layersError("layers = [\"depth\", \"normals\"]\n"),
+              "scene.toml:7:20: 'layers[1]' is the string \"normals\"; expected 'light', 'direct', 'indirect', "
+              "'ambient', 'emission', 'albedo', "
+              "'depth', 'transmittance', 'shadow', 'volume', 'motion' or 'cryptomatte'");
     EXPECT_EQ(layersError("layers = [\"depth\", \"depth\"]\n"),
               "scene.toml:7:20: 'layers[1]' repeats 'depth'; expected each layer once");
     EXPECT_EQ(layersError("layers = \"depth\"\n"),
-              "scene.toml:7:10: 'layers' is the string \"depth\"; expected a list of layers: 'light', 'ambient', "
+              "scene.toml:7:10: 'layers' is the string \"depth\"; expected a list of layers: 'light', 'direct', "
+              "'indirect', 'ambient', "
               "'emission', 'albedo', 'depth', 'transmittance', 'shadow', 'volume', 'motion' or 'cryptomatte'");
 }
 

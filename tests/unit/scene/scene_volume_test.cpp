@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/scene_reader.h>
+#include <scrim/volume/grid_edit.h>
 
 #include "unit/scene/read_scene.h"
 
@@ -49,6 +50,60 @@ TEST(SceneVolume, HasDefaults) {
     EXPECT_TRUE(v.ramp.empty());
     EXPECT_TRUE(v.medium.phase.isotropic());
     EXPECT_EQ(v.medium.albedo, Rgb(0.9));
+}
+
+TEST(SceneVolume, IsPutTogetherFromGridsOfSeveralFiles) {
+    const SceneVolume v = volume(
+        "frame = { offset = -10 }\n"
+        "grids = { density = { max = ['a.####.vdb', 'b.vdb:smoke', 'a.####.vdb:heat'] }, temperature = 'b.vdb', fuel = "
+        "'c.gz:fuel[1]' }\n",
+        12);
+    ASSERT_TRUE(v.edit);
+    using Part = CombinedGrid::Part;
+    const std::vector<CombinedGrid> expected{
+        {"density",
+         CombinedGrid::How::max,
+         {Part{0, "", "scene.toml:6:30"}, Part{1, "smoke", "scene.toml:6:44"}, Part{0, "heat", "scene.toml:6:59"}}},
+        {"temperature", CombinedGrid::How::copied, {Part{1, "", "scene.toml:6:95"}}},
+        {"fuel", CombinedGrid::How::copied, {Part{2, "fuel[1]", "scene.toml:6:111"}}}};
+    EXPECT_EQ(v.edit->files, (std::vector<std::string>{"/shots/a.0002.vdb", "/shots/b.vdb", "/shots/c.gz"}));
+    GridEdit edit;
+    edit.grids = expected;
+    edit.files = v.edit->files;
+    edit.where = "scene.toml:6:9";
+    EXPECT_EQ(toText(*v.edit), toText(edit));
+    EXPECT_EQ(v.file, "/shots/a.0002.vdb");
+    EXPECT_EQ(v.where, "scene.toml:6:9");
+    EXPECT_EQ(v.sequences.size(), 3u);
+}
+
+TEST(SceneVolume, SaysWhatIsWrongWithGridsOfSeveralFiles) {
+    const auto error = [](const std::string& grids) { return errorOf(sceneWith("grids = " + grids + "\n")); };
+    EXPECT_EQ(
+        error("{ density = 3 }"),
+        "scene.toml:5:21: 'density' is 3; expected \"FILE:GRID\", or { max = [...] }, { add = [...] } or { multiply "
+        "= [...] }");
+    EXPECT_EQ(error("{ density = { } }"),
+              "scene.toml:5:21: 'density' is a table; expected \"FILE:GRID\", or { max = [...] }, { add = [...] } or { "
+              "multiply = [...] }");
+    EXPECT_EQ(error("{ density = { max = ['a.vdb'] } }"),
+              "scene.toml:5:29: 'max' is a list of 1; expected a list of at least two \"FILE:GRID\"");
+    EXPECT_EQ(error("{ density = { max = ['a.vdb', 'b.vdb'], add = ['c.vdb', 'd.vdb'] } }"),
+              "scene.toml:5:55: 'density' of grids has both 'max' and 'add'; expected one of them");
+    EXPECT_EQ(error("{ density = { min = ['a.vdb', 'b.vdb'] } }"),
+              "scene.toml:5:23: 'min' is not known here ('density' of grids); allowed: 'max', 'add' "
+              "or 'multiply'");
+    EXPECT_EQ(error("{ density = 'a.vdb:' }"),
+              "scene.toml:5:21: 'density' is the string \"a.vdb:\"; expected \"FILE\" or \"FILE:GRID\"");
+    EXPECT_EQ(error("{ }"), "scene.toml:5:9: 'grids' is a table; expected at least one grid");
+    EXPECT_EQ(error("'a.vdb'"),
+              "scene.toml:5:9: 'grids' is the string \"a.vdb\"; expected a table of { NAME = \"FILE:GRID\" }");
+    EXPECT_EQ(volumeError("grids = { density = 'a.vdb' }"),
+              "scene.toml:6:9: [[volume]] has both 'file' and 'grids'; expected one of them");
+    std::string many;
+    for (int i = 0; i <= 32; ++i) many += "g" + std::to_string(i) + " = 'f" + std::to_string(i) + ".vdb', ";
+    EXPECT_NE(error("{ " + many + "z = 'z.vdb' }").find("there are more than 32 files; expected fewer"),
+              std::string::npos);
 }
 
 TEST(SceneVolume, FindsItsFileAtTheFrame) {
@@ -145,6 +200,21 @@ TEST(SceneVolume, NamesTheLightsThatLightIt) {
               "scene.toml:6:10: 'lights' is the string \"key\"; expected a list of names of "
               "lights");
     EXPECT_EQ(volumeError("lights = [\"key\"]\n"), "scene.toml:6:11: there is no light 'key'; expected none");
+}
+
+TEST(SceneVolume, NamesTheLightsInWhichItCastsShadows) {
+    const std::string light = "[[light]]\nname = \"key\"\ntype = \"point\"\nposition = [0, 0, 5]\n";
+    const auto shadows = [&](const std::string& value) {
+        return read(sceneWith("file = \"a.vdb\"\nshadows = " + value + "\n" + light)).volumes.at(0).shadows;
+    };
+    EXPECT_EQ(volume("file = \"a.vdb\"\n").shadows, std::nullopt) << "all";
+    EXPECT_EQ(shadows("true"), std::nullopt) << "all";
+    EXPECT_EQ(shadows("false"), std::vector<std::string>{});
+    EXPECT_EQ(shadows("[\"key\"]"), std::vector<std::string>{"key"});
+    EXPECT_EQ(volumeError("shadows = [\"kye\"]\n" + light),
+              "scene.toml:6:12: there is no light 'kye'; did you mean 'key'?; expected 'key'");
+    EXPECT_EQ(volumeError("shadows = 1\n" + light),
+              "scene.toml:6:11: 'shadows' is 1; expected true, false or a list of names of lights");
 }
 
 TEST(SceneVolume, TranslateComesAfterRotateAfterScale) {

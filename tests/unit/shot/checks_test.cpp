@@ -175,14 +175,7 @@ TEST(Checks, VolumesAreHeldToTheirKeys) {
                   volume([](SceneVolume& v) { v.medium.octaves.count = 0; }));
 }
 
-TEST(Checks, WhatGoesTogetherInNoFileDoesNotInCode) {
-    expectRefused(
-        "'deep' cannot be combined with 'shutter' of [camera]: a deep sample has one depth, but a moving object has "
-        "many; remove one of the two",
-        [](Scene& s) {
-            s.shutter = Shutter{-0.25, 0.25};
-            s.output.deep.file = "deep.exr";
-        });
+TEST(Checks, OutputsAreChecked) {
     expectRefused("[output]: 'fps' is 0; expected a number greater than 0 and of at most 1000000 frames a second",
                   [](Scene& s) { s.output.fps = 0; });
 }

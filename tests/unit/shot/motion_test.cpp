@@ -368,12 +368,6 @@ TEST_F(MotionBlur, TellsWhatIsWrongAndWhere) {
               std::string::npos);
     EXPECT_NE(errorOf(ErrorKind::input,
                       [&] {
-                          render({kShutter, "output.deep=\"deep.exr\""});
-                      })
-                  .find("'deep'"),
-              std::string::npos);
-    EXPECT_NE(errorOf(ErrorKind::input,
-                      [&] {
                           render({kShutter, "render.shutter_samples=1.5"});
                       })
                   .find("1 to 1024"),

@@ -49,7 +49,7 @@ TEST(DialSweeps, TurnEveryDialThatTradesAccuracyAndKeepTheOthers) {
     const Dials base;
     std::vector<Trial> trials;
     addTrial(trials, "base", base);
-    std::vector<DialSweep> sweeps = dialSweeps();
+    std::vector<DialSweep> sweeps = dialSweeps(false);
     addSweeps(trials, sweeps, base);
     for (const DialSweep& sweep : sweeps) {
         ASSERT_EQ(sweep.trials.size(), sweep.values.size());
@@ -65,7 +65,7 @@ TEST(DialSweeps, TurnEveryDialThatTradesAccuracyAndKeepTheOthers) {
 
 TEST(DialSweeps, TryNoSettingTwice) {
     std::vector<Trial> trials;
-    std::vector<DialSweep> sweeps = dialSweeps();
+    std::vector<DialSweep> sweeps = dialSweeps(false);
     addTrial(trials, "base", Dials());
     addSweeps(trials, sweeps, Dials());
     addJoint(trials, Dials());

@@ -172,6 +172,32 @@ TEST(FieldBrick, IsTheFieldAroundItsBox) {
     }
 }
 
+// Sums of eight products in single precision, of values up to 1: their rounding is a few times 1e-7.
+TEST(FieldBrick, GivesManyValuesAtOnceInSinglePrecision) {
+    const auto field = makeField({-10, -10, -10}, {10, 10, 10}, 1, number);
+    const FieldSampler sampler(*field, Kernel::linear);
+    Random random;
+    FieldBrick brick;
+    for (int i = 0; i < 50; ++i) {
+        const Int3 lower(random.vector(-14, 8));
+        brick.fill(sampler.index(), lower, lower + kBlockEdge);
+        const Vec3 f = random.vector(0, 1);
+        std::array<float, kBlockVoxels> values{}, x{}, y{}, z{};
+        brick.addBlock(f, 2, values.data());
+        for (int k = 0; k < kBlockVoxels; ++k) {
+            const Vec3 place = Vec3(k / 64, k / 8 % 8, k % 8) + f;
+            ASSERT_NEAR(double(values[std::size_t(k)]), 2 * sampler.value(Vec3(lower) + place), 2e-6) << k;
+            const Vec3 any = random.vector(0, 7.999);
+            x[std::size_t(k)] = float(any.x);
+            y[std::size_t(k)] = float(any.y);
+            z[std::size_t(k)] = float(any.z);
+        }
+        brick.values({x.data(), y.data(), z.data()}, kBlockVoxels, values.data());
+        for (std::size_t k = 0; k < kBlockVoxels; ++k)
+            ASSERT_NEAR(double(values[k]), sampler.value(Vec3(lower) + Vec3(x[k], y[k], z[k])), 2e-6) << k;
+    }
+}
+
 TEST(FieldBrick, LeavesLargeBoxesAndOtherKernelsToTheSampler) {
     const auto field = makeField({0, 0, 0}, {3, 3, 3}, 1, number);
     FieldBrick brick;

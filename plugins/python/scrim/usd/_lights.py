@@ -7,7 +7,8 @@ import math
 from collections.abc import Callable
 
 from pxr import Gf, Usd, UsdGeom, UsdLux
-from scrim_kit import light_laws
+from scrim_kit import light_laws, photometry
+from scrim_kit.failure import Failure
 
 from . import _colour, _own
 from ._reading import Item, Reading, numbers
@@ -120,45 +121,74 @@ class Light:
         """(half angle, softness) of ShapingAPI; None where it is not there."""
         if not self.prim.HasAPI(UsdLux.ShapingAPI):
             return None
-        for name, text in (
-            ("shaping:focus", "its focus is not rendered"),
-            ("shaping:ies:file", "its IES profile is not rendered"),
-        ):
-            value = self.input(name)
-            if value and (not hasattr(value, "path") or value.path):
-                self.warn(text)
+        if self.input("shaping:focus"):
+            self.warn("its focus is not rendered")
+        if self.profile() and not self.prim.IsA(UsdLux.SphereLight):
+            self.warn("its IES profile is not rendered: only a sphere can have one")
         angle = float(self.input("shaping:cone:angle"))
         return (angle, float(self.input("shaping:cone:softness"))) if angle < 180 else None
 
+    def profile(self) -> str | None:
+        """The path of the photometric file."""
+        if not self.prim.HasAPI(UsdLux.ShapingAPI):
+            return None
+        return self.reading.file(self.prim.GetAttribute("inputs:shaping:ies:file"))
+
+    def luminaire(self) -> tuple[dict, float]:
+        """Keys of a point or a spot with a photometric file, and what they multiply its intensity by: the file's
+        candelas, over their integral where the profile is normalized. The vertical angle 0 is -z."""
+        path = self.profile()
+        if not path:
+            return {}, 1.0
+        try:
+            profile = photometry.Photometry(path)
+        except Failure as error:
+            self.warn(f"its IES profile is not rendered: {error}")
+            return {}, 1.0
+        if self.input("shaping:ies:angleScale"):
+            self.warn("the angleScale of its IES profile is not rendered")
+        factor = profile.largest / (profile.power if self.input("shaping:ies:normalize") else 1)
+        keys = {"ies": path, "direction": self.moving(_facing)}
+        keys["up"] = self.moving(lambda matrix: numbers(_axes(matrix)[1].GetNormalized()))
+        return keys, factor
+
     def sphere(self) -> dict:
         cone = self.cone()
+        shape, factor = self.luminaire()
         if cone and cone[0] > 90:
             self.warn(f"its cone of {cone[0]:g} degrees to each side is not rendered; it shines to all sides")
             cone = None
         as_point = bool(self.reading.get(self.prim.GetAttribute("treatAsPoint"), otherwise=False))
         radius = self.sphere_radius(self.reading.frame)
-        if not cone and not as_point and radius > 0:
+        if not cone and not shape and not as_point and radius > 0:
             out = {"type": "area", "shape": "sphere", "radius": self.reading.moving(self.sphere_radius)}
-            return self.surface(out)
+            return self.placed(out)
         if radius <= 0 and not self.normalized(self.reading.frame):
             self.warn("a sphere without a size gives no light unless it is normalized")
         out = {"type": "spot" if cone else "point", "position": self.moving(_place)}
         out["intensity"] = self.by(
-            lambda strength, time: light_laws.usd_point(strength, self.sphere_radius(time), self.normalized(time))
+            lambda strength, time: (
+                factor * light_laws.usd_point(strength, self.sphere_radius(time), self.normalized(time))
+            )
         )
+        if (cone or shape) and radius > 0 and not as_point:
+            what = "a cone" if cone else "an IES profile"
+            self.warn(f"a sphere with {what} is rendered as a point: its radius of {radius:g} softens no shadow")
+        out |= shape
         if cone:
-            if radius > 0 and not as_point:
-                self.warn(f"a sphere with a cone is rendered as a point: its radius of {radius:g} softens no shadow")
             if cone[1] > 0:
                 self.warn("its cone fades by the cosine between the same two angles, and not by the angle")
             out |= {"direction": self.moving(_facing), "cone": 2 * cone[0], "blend": min(max(cone[1], 0.0), 1.0)}
         return out
 
     def surface(self, out: dict) -> dict:
-        out |= {"position": self.moving(_place), "intensity": self.by(lambda strength, time: strength)}
+        out["intensity"] = self.by(lambda strength, time: strength)
         if self.normalized(self.reading.frame):
             out["normalize"] = True
         return out
+
+    def placed(self, out: dict) -> dict:
+        return self.surface({**out, "position": self.moving(_place)})
 
     def flat(self, shape: str) -> dict:
         cone = self.cone()
@@ -169,7 +199,7 @@ class Light:
             self.warn("it is sheared, but rendered with right angles")
         out = {"type": "area", "shape": shape, "direction": self.moving(_facing)}
         out["up"] = self.moving(lambda matrix: numbers(_axes(matrix)[1].GetNormalized()))
-        return self.surface(out)
+        return self.placed(out)
 
     def rectangle(self) -> dict:
         out = self.flat("rectangle")
@@ -238,6 +268,13 @@ class Light:
             self.api.GetShadowLinkCollectionAPI().ComputeMembershipQuery(),
         )
 
+    def table(self, name: str, kind: dict) -> dict:
+        out = {"name": name, **kind, **self.colored()}
+        self.say_what_is_not()
+        if self.prim.HasAPI(UsdLux.ShadowAPI) and not self.input("shadow:enable"):
+            out["shadows"] = False
+        return out
+
     def say_what_is_not(self) -> None:
         if self.prim.IsA(UsdLux.NonboundableLightBase) and self.cone():
             self.warn("its cone is not rendered")
@@ -286,10 +323,13 @@ def read(reading: Reading, item: Item, scale: float, sidecar: _own.Sidecar) -> t
         reading.warn(prim, f"lights of type {prim.GetTypeName() or 'none'} are not rendered")
         return None
     light = Light(reading, item, scale)
-    out = {"name": reading.name(item), **kind(light), **light.colored()}
-    light.say_what_is_not()
-    if prim.HasAPI(UsdLux.ShadowAPI) and not light.input("shadow:enable"):
-        out["shadows"] = False
+    out = light.table(reading.name(item), kind(light))
     _own.merge(out, _own.attributes(reading, prim))
     _own.merge(out, sidecar.of(prim))
     return out, light
+
+
+def of_mesh(reading: Reading, item: Item, scale: float, mesh: str) -> tuple[dict, Light]:
+    """The [[light]] of a solid with MeshLightAPI, which is the [[mesh]] of this name."""
+    light = Light(reading, item, scale)
+    return light.table(mesh, light.surface({"type": "area", "shape": "mesh", "mesh": mesh})), light

@@ -44,6 +44,8 @@ def _of_mesh(reading: Reading, prim: Usd.Prim) -> tuple[array, array] | None:
     if any(count > 4 for count in counts):
         reading.warn(prim, "faces of more than four corners are cut into fans, which is right where they are convex")
     triangles = _triangles(counts, corners, set(reading.get(mesh.GetHoleIndicesAttr(), otherwise=[])))
+    if reading.get(mesh.GetOrientationAttr()) == UsdGeom.Tokens.leftHanded:
+        triangles.reverse()
     return points, triangles
 
 
@@ -106,8 +108,10 @@ def read(reading: Reading, item: Item, sidecar: _own.Sidecar) -> dict | None:
     place = _motion.transform(reading, item, lambda time: reading.world(item, time))
     if place:
         out["transform"] = place
-    if reading.options.meshes == "shadows":
+    if reading.options.meshes in ("shadows", "none"):  # none: it is here for the light that it gives
         out["holdout"] = False
+    if reading.options.meshes == "none":
+        out["shadows"] = False
     _own.merge(out, _own.attributes(reading, item.prim))
     _own.merge(out, sidecar.of(item.prim))
     return out

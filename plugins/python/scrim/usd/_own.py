@@ -17,7 +17,7 @@ from .._errors import InputError
 from . import _colour
 from ._reading import Reading, numbers
 
-_OF_VOLUMES = ("name", "frame", "transform", "density", "velocity", "lights", "holdout", "medium", "classified")
+_OF_VOLUMES = ("name", "frame", "transform", "density", "velocity", "lights", "shadows", "holdout", "medium", "classified")
 
 
 def merge(into: dict, more: Mapping) -> None:

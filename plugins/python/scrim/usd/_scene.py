@@ -25,29 +25,38 @@ def _drawn(prim: Usd.Prim) -> bool:
 
 
 def _link(reading: Reading, light: _lights.Light, name: str, lit: list[tuple[Item, dict]], solids: list[Item]) -> bool:
-    """lightLink as `lights` of volumes. Whether anything throws shadows, as shadowLink says."""
-    by_light, by_shadow = light.links()
-    for item, volume in lit:
-        if item.included(by_light) and name not in volume["lights"]:
-            volume["lights"].append(name)
-    casting = [item.included(by_shadow) for item in [i for i, _ in lit] + solids]
-    if any(casting) and not all(casting):
-        reading.warn(light.prim, "its shadowLink leaves out some solids or volumes; all of them cast shadows")
-    return any(casting)
+    """lightLink and shadowLink as `lights` and `shadows` of volumes. Whether anything casts shadows in the light."""
+    for key, link in zip(("lights", "shadows"), light.links(), strict=True):
+        for item, volume in lit:
+            if item.included(link) and name not in volume[key]:
+                volume[key].append(name)
+    casting = [item.included(link) for item in solids]
+    casts = any(casting) or any(name in volume["shadows"] for _, volume in lit)
+    if casts and not all(casting):
+        reading.warn(light.prim, "its shadowLink leaves out some solids; all of them cast shadows")
+    return casts
 
 
 def _linked(reading: Reading, lights: list[tuple[dict, _lights.Light]], volumes: list, solids: list[Item]) -> None:
-    said = {volume["name"]: volume["lights"] for _, volume in volumes if "lights" in volume}
+    keys = ("lights", "shadows")
+    said = {(volume["name"], key): volume[key] for _, volume in volumes for key in keys if key in volume}
     for _, volume in volumes:
-        volume["lights"] = []
+        volume.update({key: [] for key in keys})
     for table, light in lights:
         if not _link(reading, light, table["name"], volumes, solids):
             table["shadows"] = False
-    for _, volume in volumes:
-        if volume["name"] in said:
-            volume["lights"] = said[volume["name"]]
-        elif len(volume["lights"]) == len(lights):
-            del volume["lights"]
+    names = {"lights": [table["name"] for table, _ in lights],
+             "shadows": [table["name"] for table, _ in lights if table.get("shadows", True)]}
+    full = any(volume.get("medium", {}).get("scattering") == "full" for _, volume in volumes)
+    for item, volume in volumes:
+        for key in keys:
+            if (volume["name"], key) in said:
+                volume[key] = said[volume["name"], key]
+            elif set(volume[key]) >= set(names[key]):
+                del volume[key]
+            elif key == "shadows" and full:
+                reading.warn(item.prim, "a shadowLink leaves it out; beside full scattering it casts all shadows")
+                del volume[key]
 
 
 def _volumes_at(reading: Reading, frame: int, sidecar: _own.Sidecar) -> list[dict]:
@@ -72,21 +81,24 @@ def scene_at(
 
     volumes, lights, meshes, solids = [], [], [], []
     for item in reading.items(_drawn):
-        if _lights.is_light(item.prim) and item.prim.IsA(UsdGeom.Gprim):
-            reading.warn(item.prim, "the light that it gives as a surface or a volume is not rendered")
+        shines, solid = _lights.is_light(item.prim), _meshes.is_solid(item.prim)
         if item.prim.IsA(UsdVol.Volume):
+            if shines:
+                reading.warn(item.prim, "the light that it gives as a volume is not rendered")
             volume = _volumes.read(reading, item, exposure, sidecar)
             if volume:
                 volumes.append((item, volume))
-        elif _lights.is_light(item.prim) and not item.prim.IsA(UsdGeom.Gprim):
-            light = _lights.read(reading, item, exposure, sidecar)
-            if light:
-                lights.append(light)
-        elif reading.options.meshes != "none":
+        elif solid and (shines or reading.options.meshes != "none"):
             mesh = _meshes.read(reading, item, sidecar)
             if mesh:
                 meshes.append(mesh)
                 solids.append(item)
+                if shines:
+                    lights.append(_lights.of_mesh(reading, item, exposure, mesh["name"]))
+        elif shines and not solid:
+            light = _lights.read(reading, item, exposure, sidecar)
+            if light:
+                lights.append(light)
     if not volumes:
         raise InputError(f"the stage shows no volume at frame {frame:g}")
     if camera is None:

@@ -94,26 +94,37 @@ class Mapping:
     def __init__(self, reading: Reading, item: Item, fields: dict[str, Field], density: str) -> None:
         self.reading, self.item, self.fields = reading, item, fields
         self.first = fields[density]
+        self.density = density
         self.used = {density}
+        # Where the fields are of several files, grids are called as their channels.
+        self.several = any(field.file != self.first.file for field in fields.values())
+        self.unnamed: dict[str, str] = {}
 
     def grid(self, name: str) -> str:
         """A channel of the Volume, or a grid of its file, as the grid's name."""
         field = self.fields.get(name)
-        if field is None or not self._reachable(name, field):
+        if field is None:
+            if self.several:
+                self.unnamed[name] = f"{self.first.file}:{name}"
             return name
+        self._check_place(name, field)
         self.used.add(name)
-        return field.grid
+        return name if self.several else field.grid
 
-    def _reachable(self, channel: str, field: Field) -> bool:
-        where = self.item.prim
-        if field.file != self.first.file:
-            self.reading.warn(where, f"field '{channel}' has another file than the density, and is not read")
-        elif not Gf.IsClose(field.matrix(self.reading.frame), self.first.matrix(self.reading.frame), 1e-9):
-            self.reading.warn(where, f"field '{channel}' stands elsewhere than the density, and is read where that is")
-            return True
-        else:
-            return True
-        return False
+    def _check_place(self, channel: str, field: Field) -> None:
+        if not Gf.IsClose(field.matrix(self.reading.frame), self.first.matrix(self.reading.frame), 1e-9):
+            self.reading.warn(
+                self.item.prim, f"field '{channel}' stands elsewhere than the density, and is read where that is"
+            )
+
+    def _files(self) -> dict:
+        """`file`, or `grids` of several."""
+        if not self.several:
+            return {"file": self.first.file}
+        used = [self.density, *sorted(self.used - {self.density})]
+        fields = {channel: self.fields[channel] for channel in used}
+        named = {c: f"{f.file}:{f.grid}" if f.grid else f.file for c, f in fields.items()}
+        return {"grids": {**named, **self.unnamed}}
 
     def name_grids(self, table: dict) -> None:
         """Puts grids in the place of channels in what was said to Scrim."""
@@ -130,9 +141,8 @@ class Mapping:
             return
         if len(self.reading.times) == 1:
             self.used.add(channel)  # nothing moves: no shutter
-        elif self._reachable(channel, self.fields[channel]):
-            self.used.add(channel)
-            own["velocity"] = {"grid": self.fields[channel].grid, "unit": "second"}
+        else:
+            own["velocity"] = {"grid": self.grid(channel), "unit": "second"}
 
     def medium(self, own: dict) -> None:
         if "classified" in own:
@@ -155,11 +165,12 @@ class Mapping:
         self.name_grids(own)
         self.velocity(own)
         self.medium(own)
-        out = {"name": self.reading.name(self.item), "file": self.first.file}
+        out = {"name": self.reading.name(self.item), **self._files()}
         place = _motion.transform(self.reading, self.item, self.first.matrix)
         if place:
             out["transform"] = place
-        out["density"] = {"grid": self.first.grid} if self.first.grid else {}
+        grid = self.density if self.several else self.first.grid
+        out["density"] = {"grid": grid} if grid else {}
         _own.merge(out, own)
         for channel in self.fields:
             if channel not in self.used:

@@ -21,7 +21,7 @@ import scrim
 
 from . import needs
 from ._door import Door
-from ._opening import opened, takes_long
+from ._opening import may_load_usd, opened, takes_long
 
 _STATUS = {
     scrim.UsageError: Status.USAGE,
@@ -86,8 +86,10 @@ def _view(words: list[str] | None) -> int:
     needs()
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     listen = _address(given.listen)
-    # The server's kits are loaded while the program reads the volumes, which needs no Python.
-    threading.Thread(target=importlib.import_module, args=("._server", __package__), daemon=True).start()
+    # The server's kits are loaded while the program reads the volumes, which needs no Python. OpenUSD must be loaded
+    # alone: it gives Python's lock away while the system loads a library, and waits for it with the system's lock held.
+    if not may_load_usd(given.scene):
+        threading.Thread(target=importlib.import_module, args=("._server", __package__), daemon=True).start()
     opening = functools.partial(
         opened, given.scene, frame=given.frame, ocio=given.ocio, up=_axis(given.up), resolution=_size(given.res)
     )  # fmt: skip

@@ -37,6 +37,11 @@ def takes_long(path: str) -> bool:
     return os.path.isfile(path) and os.path.splitext(path)[1].lower() in _ASSETS
 
 
+def may_load_usd(path: str) -> bool:
+    """Whether it is, or a folder may hold, a stage."""
+    return os.path.isdir(path) or os.path.splitext(path)[1].lower() in _STAGES
+
+
 def opened(
     path: str,
     *,

@@ -229,59 +229,41 @@ DeepImage DeepRays::resolve(const EyeView& eye, int n) {
         const Sample* const samples = m_tiles[tile].samples.data();
         return curveOf(m_pixels.layout().coloured, samples + firsts[tile][ray], samples + firsts[tile][ray + 1]);
     };
-    DeepImage image{{raster.x0 / n, raster.y0 / n, raster.x1 / n, raster.y1 / n}, {}};
-    image.rows.resize(std::size_t(image.window.height()));
-    parallelFor(image.rows.size(), [&](std::size_t r) {
-        DeepImage::Row& row = image.rows[r];
-        const int y = image.window.y0 + static_cast<int>(r);
-        row.first.push_back(0);
+    const PixelWindow window{raster.x0 / n, raster.y0 / n, raster.x1 / n, raster.y1 / n};
+    DeepImage image = deepImage(window, [&](int x, int y) {
         std::vector<DeepCurve> curves(std::size_t(n) * std::size_t(n));
         std::vector<DeepTerm> terms(curves.size());
-        for (int x = image.window.x0; x < image.window.x1; ++x) {
-            for (std::size_t i = 0; i < curves.size(); ++i) {
-                curves[i] = curveAt(x * n + static_cast<int>(i) % n, y * n + static_cast<int>(i) / n);
-                terms[i] = {curves[i], 1.0 / (n * n), 1.0 / (n * n)};
-            }
-            const DeepCurve mean = n == 1 ? curves.front() : sumOf(terms);
-            const EyeView::Ray ray = eye.ray((x + 0.5) * n, (y + 0.5) * n, 0);
-            const auto depthOf = [&](float sheets) {
-                const double sheet = m_frontToBack ? double(sheets) : -double(sheets);
-                return static_cast<float>(std::max(eye.near(), ray.depth + sheet * ray.stepDepth));
-            };
-            for (const DeepPiece& piece : mean)
-                row.pieces.push_back({depthOf(piece.begin), depthOf(piece.end), piece.shown});
-            row.first.push_back(static_cast<std::uint32_t>(row.pieces.size()));
+        for (std::size_t i = 0; i < curves.size(); ++i) {
+            curves[i] = curveAt(x * n + static_cast<int>(i) % n, y * n + static_cast<int>(i) / n);
+            terms[i] = {curves[i], 1.0 / (n * n), 1.0 / (n * n)};
         }
+        DeepCurve mean = n == 1 ? std::move(curves.front()) : sumOf(terms);
+        const EyeView::Ray ray = eye.ray((x + 0.5) * n, (y + 0.5) * n, 0);
+        const auto depthOf = [&](float sheets) {
+            const double sheet = m_frontToBack ? double(sheets) : -double(sheets);
+            return static_cast<float>(std::max(eye.near(), ray.depth + sheet * ray.stepDepth));
+        };
+        for (DeepPiece& piece : mean) piece = {depthOf(piece.begin), depthOf(piece.end), piece.shown};
+        return mean;
     });
     m_tiles.clear();
     return image;
 }
 
 DeepImage combined(const ViewScene& scene, const Plan& plan, const std::vector<DeepImage>& groups) {
-    DeepImage image{scene.region, {}};
-    image.rows.resize(std::size_t(scene.region.height()));
     const bool holds = holdsOut(scene);
     const double tolerance = (1 - kStageShare) * (scene.deep ? scene.deep->tolerance : 0);
-    parallelFor(image.rows.size(), [&](std::size_t r) {
-        DeepImage::Row& row = image.rows[r];
-        const int y = image.window.y0 + static_cast<int>(r);
-        row.first.push_back(0);
+    return deepImage(scene.region, [&](int x, int y) {
         std::vector<DeepTerm> terms;
-        for (int x = image.window.x0; x < image.window.x1; ++x) {
-            terms.clear();
-            for (std::size_t g = 0; g < groups.size(); ++g) {
-                if (!groups[g].window.contains(x, y)) continue;
-                const double weight = plan.eyeParts[plan.groups[g].eyePart].weight(x + 0.5, y + 0.5);
-                terms.push_back({groups[g].curve(x, y), weight, weight * plan.groups[g].primary});
-            }
-            DeepCurve curve = tidied(merged(sumOf(terms), tolerance));
-            if (holds) dropUnseen(curve);
-            row.pieces.insert(row.pieces.end(), curve.begin(), curve.end());
-            row.first.push_back(static_cast<std::uint32_t>(row.pieces.size()));
+        for (std::size_t g = 0; g < groups.size(); ++g) {
+            if (!groups[g].window.contains(x, y)) continue;
+            const double weight = plan.eyeParts[plan.groups[g].eyePart].weight(x + 0.5, y + 0.5);
+            terms.push_back({groups[g].curve(x, y), weight, weight * plan.groups[g].primary});
         }
-        row.pieces.shrink_to_fit();
+        DeepCurve curve = tidied(merged(sumOf(terms), tolerance));
+        if (holds) dropUnseen(curve);
+        return curve;
     });
-    return image;
 }
 
 }  // namespace scrim

@@ -232,6 +232,9 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
 }
 
 void finishLayers(Frame& frame) {
+    FrameLayer *const direct = find(frame, Layer::direct), *const indirect = find(frame, Layer::indirect);
+    for (std::size_t i = 0; direct && indirect && i < direct->data.size(); ++i)
+        direct->data[i] = std::max(frame.image.rgba[i / 3 * 4 + i % 3] - indirect->data[i], 0.0f);
     for (FrameLayer& layer : frame.layers) {
         if (layer.layer == Layer::motion) {
             const std::vector<float> sums = std::move(layer.data);

@@ -8,9 +8,11 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 
@@ -19,8 +21,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Optical depth along world-space segments, by steps of one voxel with two-point Gauss quadrature, which is exact for
-// the cubics of a trilinear field within a cell.
+// The optical depths of all volumes of a scene.
 class Marcher {
   public:
     explicit Marcher(const ViewScene& scene) : m_step(voxelUnit(scene)) {
@@ -32,49 +33,18 @@ class Marcher {
         }
     }
 
-    // The optical depth from `origin` along the unit vector `direction`, over `length`.
-    Rgb opticalDepth(const Vec3& origin, const Vec3& direction, double length) const {
-        Rgb tau(0);
-        if (m_volumes.empty()) return tau;
-        const auto [begin, end] = m_wsBounds.clip(origin, direction, 0, length);
-        const double gauss = 0.5 / std::sqrt(3.0);
-        for (double t = begin; t < end; t += m_step) {
-            const double step = std::min(m_step, end - t), middle = t + 0.5 * step;
-            for (const double at : {middle - gauss * step, middle + gauss * step})
-                tau += 0.5 * step * extinction(origin + at * direction);
-        }
-        return tau;
+    // The transmittance in light `index` of the scene from `ws` to the light `light`, which it is or is a part of it.
+    Rgb transmittance(std::size_t index, const Light& light, const Vec3& ws) const {
+        const double beyond = glm::distance(ws, m_wsBounds.center()) + glm::length(m_wsBounds.size());
+        const Vec3 end = light.distant() ? ws - beyond * light.wsDirection : light.wsPosition;
+        return glm::exp(-opticalDepth(m_volumes, m_wsBounds, m_step, ws, end, index));
     }
 
   private:
-    Rgb extinction(const Vec3& ws) const {
-        Rgb sum(0);
-        for (const VolumeOptics& volume : m_volumes) sum += volume.extinction(ws);
-        return sum;
-    }
-
     double m_step;
     Bounds m_wsBounds;
     std::vector<VolumeOptics> m_volumes;
 };
-
-// The point on the first solid of the ray at raster position (x, y), if that solid catches shadows.
-std::optional<Vec3> caughtAt(const Solids& solids, const RayFamily& rays, double x, double y) {
-    const Vec3 origin = rays.origin(x, y), direction = rays.direction(x, y);
-    const double caught = solids.firstHit(SolidRole::catcher, origin, direction, rays.near, kInfinity);
-    if (caught == kInfinity) return std::nullopt;
-    constexpr double kSame = 1e-6;  // relative to the distance: one solid may both catch and hide
-    if (solids.firstHit(SolidRole::holdout, origin, direction, rays.near, caught * (1 - kSame)) < kInfinity)
-        return std::nullopt;
-    return origin + caught * direction;
-}
-
-Rgb transmittance(const Marcher& marcher, const Light& light, const Vec3& ws) {
-    if (light.distant()) return glm::exp(-marcher.opticalDepth(ws, -light.wsDirection, kInfinity));
-    const Vec3 way = light.wsPosition - ws;
-    const double distance = glm::length(way);
-    return distance > 0 ? glm::exp(-marcher.opticalDepth(ws, way / distance, distance)) : Rgb(1);
-}
 
 // The relative weight of a sub-light at a point, without regard to the surface there.
 double weightOf(const Light& light, const Vec3& ws) {
@@ -87,17 +57,17 @@ double weightOf(const Light& light, const Vec3& ws) {
     return power * facing * Spread(light.element()->spread).at(facing) / distance2;
 }
 
-// The transmittance towards a light of the scene, which may consist of several lights.
+// The transmittance towards light `owner` of the scene, which may consist of several lights.
 using Parts = std::vector<const Light*>;
 
-Rgb transmittance(const Marcher& marcher, const Parts& parts, const Vec3& ws) {
-    if (parts.size() == 1) return transmittance(marcher, *parts.front(), ws);
+Rgb transmittance(const Marcher& marcher, std::size_t owner, const Parts& parts, const Vec3& ws) {
+    if (parts.size() == 1) return marcher.transmittance(owner, *parts.front(), ws);
     Rgb sum(0);
     double weights = 0;
     for (const Light* part : parts) {
         const double weight = weightOf(*part, ws);
         if (weight <= 0) continue;
-        sum += weight * transmittance(marcher, *part, ws);
+        sum += weight * marcher.transmittance(owner, *part, ws);
         weights += weight;
     }
     return weights > 0 ? sum / weights : Rgb(1);
@@ -113,50 +83,147 @@ Parts partsOf(const ViewScene& scene, const SubLights& subLights, std::size_t in
     return parts;
 }
 
+// One layer and what it catches.
+struct Caught {
+    std::vector<float>* data;
+    std::size_t light;
+    Parts parts;
+};
+
+// Catches the shadows of blocks of eye rays. What arrives at a solid is as smooth as the volumes' grids, so where a
+// block's points on solids are closer together than the sheets are thick, at most a voxel, it is interpolated between
+// the block's corners.
+class Catcher {
+  public:
+    static constexpr int kBlock = 16;  // rays along an edge
+
+    Catcher(const ViewScene& scene, const std::vector<Caught>& layers)
+        : m_scene(scene),
+          m_layers(layers),
+          m_marcher(scene),
+          m_rays(wsRays(supersampled(scene.camera, scene.dials.antialias))),
+          m_span(std::min(scene.dials.sheetThickness, 1.0) * voxelUnit(scene)) {}
+
+    // Catches the rays from `first` on that belong to pixels of the region. Returns the number of rays to lights.
+    std::uint64_t catchBlock(const Int2& first) const {
+        Block block{first, {}, {}, 0};
+        for (int y = 0; y <= kBlock; ++y)
+            for (int x = 0; x <= kBlock; ++x)
+                block.points[y][x] = caughtAt(*m_scene.solids, m_rays, first.x + x + 0.5, first.y + y + 0.5);
+        fill(block, Int2(0), kBlock);
+        return block.marched;
+    }
+
+  private:
+    struct Block {
+        Int2 first;  // ray of the supersampled picture
+        std::optional<Vec3> points[kBlock + 1][kBlock + 1];
+        std::vector<Rgb> arrives[kBlock + 1][kBlock + 1];  // of each layer; empty where it is not known
+        std::uint64_t marched;
+    };
+
+    void fill(Block& block, const Int2& from, int edge) const {
+        if (!isSmooth(block, from, edge)) {
+            if (edge > 1)
+                for (int i = 0; i < 4; ++i) fill(block, from + edge / 2 * Int2(i & 1, i >> 1), edge / 2);
+            else if (block.points[from.y][from.x])
+                add(block, from, arrivesAt(block, from));
+            return;
+        }
+        const std::vector<Rgb>&a = arrivesAt(block, from), &b = arrivesAt(block, from + Int2(edge, 0));
+        const std::vector<Rgb>&c = arrivesAt(block, from + Int2(0, edge)), &d = arrivesAt(block, from + edge);
+        std::vector<Rgb> between(m_layers.size());
+        for (int y = 0; y < edge; ++y)
+            for (int x = 0; x < edge; ++x) {
+                const double u = double(x) / edge, v = double(y) / edge;
+                for (std::size_t i = 0; i < between.size(); ++i)
+                    between[i] = (1 - v) * ((1 - u) * a[i] + u * b[i]) + v * ((1 - u) * c[i] + u * d[i]);
+                add(block, from + Int2(x, y), between);
+            }
+    }
+
+    // True if all rays of a square meet solids that catch, close together.
+    bool isSmooth(const Block& block, const Int2& from, int edge) const {
+        Bounds box;
+        for (int y = from.y; y <= from.y + edge; ++y)
+            for (int x = from.x; x <= from.x + edge; ++x) {
+                if (!block.points[y][x]) return false;
+                box.include(*block.points[y][x]);
+            }
+        return glm::length(box.size()) <= m_span;
+    }
+
+    const std::vector<Rgb>& arrivesAt(Block& block, const Int2& at) const {
+        std::vector<Rgb>& arrives = block.arrives[at.y][at.x];
+        if (!arrives.empty()) return arrives;
+        for (const Caught& layer : m_layers) {
+            arrives.push_back(transmittance(m_marcher, layer.light, layer.parts, *block.points[at.y][at.x]));
+            block.marched += layer.parts.size();
+        }
+        return arrives;
+    }
+
+    void add(const Block& block, const Int2& at, const std::vector<Rgb>& arrives) const {
+        const int n = m_scene.dials.antialias;
+        const PixelWindow& region = m_scene.region;
+        const Int2 pixel = glm::ivec2(glm::floor(Vec2(block.first + at) / double(n)));
+        if (pixel.x < region.x0 || pixel.x >= region.x1 || pixel.y < region.y0 || pixel.y >= region.y1) return;
+        const std::size_t offset =
+            3 * (std::size_t(pixel.y - region.y0) * std::size_t(region.width()) + std::size_t(pixel.x - region.x0));
+        for (std::size_t i = 0; i < m_layers.size(); ++i) {
+            const Rgb lost = (1.0 - arrives[i]) / double(n * n);
+            for (int c = 0; c < 3; ++c) (*m_layers[i].data)[offset + std::size_t(c)] -= static_cast<float>(lost[c]);
+        }
+    }
+
+    const ViewScene& m_scene;
+    const std::vector<Caught>& m_layers;
+    Marcher m_marcher;
+    RayFamily m_rays;
+    double m_span;
+};
+
 }  // namespace
+
+std::optional<Vec3> caughtAt(const Solids& solids, const RayFamily& rays, double x, double y) {
+    const Vec3 origin = rays.origin(x, y), direction = rays.direction(x, y);
+    const double caught = solids.firstHit(SolidRole::catcher, origin, direction, rays.near, kInfinity);
+    if (caught == kInfinity) return std::nullopt;
+    constexpr double kSame = 1e-6;  // relative to the distance: one solid may both catch and hide
+    if (solids.firstHit(SolidRole::holdout, origin, direction, rays.near, caught * (1 - kSame)) < kInfinity)
+        return std::nullopt;
+    return origin + caught * direction;
+}
 
 std::uint64_t catchShadows(const ViewScene& scene, const SubLights& subLights, Frame& frame,
                            const Checkpoint& checkpoint) {
-    struct Caught {
-        std::vector<float>* data;
-        Parts parts;
-    };
     std::vector<Caught> layers;
     for (FrameLayer& layer : frame.layers) {
         if (layer.layer != Layer::shadow) continue;
         std::fill(layer.data.begin(), layer.data.end(), 1.0f);
-        Caught caught{&layer.data, partsOf(scene, subLights, std::size_t(layer.light))};
+        const auto light = std::size_t(layer.light);
+        Caught caught{&layer.data, light, partsOf(scene, subLights, light)};
         if (!caught.parts.empty()) layers.push_back(std::move(caught));
     }
     if (layers.empty() || !scene.solids || !scene.solids->any(SolidRole::catcher)) return 0;
-    const Marcher marcher(scene);
-    const int n = scene.dials.antialias;
-    const RayFamily rays = wsRays(supersampled(scene.camera, n));
+    const Catcher catcher(scene, layers);
+    // Blocks cover all pixels from one corner of the plane on, so that a crop is the same as in the whole picture. They
+    // hold whole pixels or are parts of one row of blocks, whose pixels no other thread adds to.
+    const int n = scene.dials.antialias, block = Catcher::kBlock, row = std::lcm(block, n);
     const PixelWindow& region = scene.region;
+    const auto down = [](int a, int b) { return static_cast<int>(std::floor(double(a) / b)) * b; };
+    const int top = down(region.y0 * n, row), left = down(region.x0 * n, block);
     std::atomic<std::uint64_t> marched = 0;
-    const auto catchRow = [&](std::size_t row) {
-        const int y = region.y0 + static_cast<int>(row);
-        std::uint64_t count = 0;
-        for (int x = region.x0; x < region.x1; ++x) {
-            const std::size_t at = 3 * (row * std::size_t(region.width()) + std::size_t(x - region.x0));
-            for (int i = 0; i < n * n; ++i) {
-                const auto ws = caughtAt(*scene.solids, rays, x * n + i % n + 0.5, y * n + i / n + 0.5);
-                if (!ws) continue;
-                for (const Caught& layer : layers) {
-                    const Rgb lost = (1.0 - transmittance(marcher, layer.parts, *ws)) / double(n * n);
-                    for (std::size_t c = 0; c < 3; ++c)
-                        (*layer.data)[at + c] -= static_cast<float>(lost[static_cast<int>(c)]);
-                    count += layer.parts.size();
-                }
-            }
-        }
-        marched += count;
+    const auto rows = static_cast<std::size_t>((region.y1 * n - top + row - 1) / row);
+    const auto catchRow = [&](std::size_t index) {
+        const int from = top + row * static_cast<int>(index);
+        for (int y = from; y < std::min(from + row, region.y1 * n); y += block)
+            for (int x = left; x < region.x1 * n; x += block) marched += catcher.catchBlock({x, y});
     };
-    constexpr std::size_t kRows = 32;  // between two checkpoints
-    for (std::size_t first = 0; first < std::size_t(region.height()); first += kRows) {
+    constexpr std::size_t kRows = 8;  // between two checkpoints
+    for (std::size_t first = 0; first < rows; first += kRows) {
         checkpoint();
-        parallelFor(std::min(kRows, std::size_t(region.height()) - first),
-                    [&](std::size_t row) { catchRow(first + row); });
+        parallelFor(std::min(kRows, rows - first), [&](std::size_t r) { catchRow(first + r); });
     }
     return marched;
 }

@@ -9,8 +9,12 @@
 #include <scrim/scene/view_scene.h>
 
 #include <cstdint>
+#include <optional>
 
 namespace scrim {
+
+/// The point on the first solid of the ray at raster position (x, y), if that solid catches shadows.
+std::optional<Vec3> caughtAt(const Solids& solids, const RayFamily& rays, double x, double y);
 
 /// Fills the layers `shadow` of `frame`: for each light with shadows (an extended one by its sub-lights), the fraction
 /// of red, green and blue that reaches the first solid of a pixel through all volumes, averaged over the pixel's rays.

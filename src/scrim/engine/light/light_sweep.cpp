@@ -29,7 +29,8 @@ double pathInSheets(const LightView& view) {
 
 // The data of one light's shadows; empty for an unshadowed one.
 struct LightSweep::Caster {
-    std::vector<std::unique_ptr<Shadow>> shadows;  // one for each extinction channel
+    std::vector<int> channels;                     // the extinction channels that attenuate it
+    std::vector<std::unique_ptr<Shadow>> shadows;  // one for each extinction channel; null for others
     std::unique_ptr<ExtinctionSum> ownSheets;      // only if the light has its own lattice
     std::optional<SolidShadow> solids;
 };
@@ -47,17 +48,19 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
     for (const PlannedLight& light : group.lights) {
         Caster& caster = m_casters.emplace_back();
         if (!light.shadowed) continue;
+        caster.channels = plan.extinction.castIn(std::size_t(plan.subLights.ownerOf(light.light)));
+        caster.shadows.resize(std::size_t(m_channels));
         if (m_passSolids) caster.solids.emplace(*scene.solids, light.view, group.sheets, scene.camera);
-        if (!light.lattice.shared())
+        if (!light.lattice.shared() && !caster.channels.empty())
             caster.ownSheets = std::make_unique<ExtinctionSum>(scene, plan, group.sheets, light.lattice,
                                                                group.batchSheets, ExtinctionSum::For::light);
-        for (int i = 0; i < m_channels; ++i)
+        for (const int i : caster.channels)
             if (light.lattice.shared())
-                caster.shadows.push_back(std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, lookUps,
-                                                                        group.batchSheets, plan.simd));
+                caster.shadows[std::size_t(i)] = std::make_unique<ShadowBuffer>(light.view, group.sheets, filter,
+                                                                                lookUps, group.batchSheets, plan.simd);
             else
-                caster.shadows.push_back(
-                    std::make_unique<ViewShadow>(light.lattice, group.sheets, filter, group.batchSheets, plan.simd));
+                caster.shadows[std::size_t(i)] =
+                    std::make_unique<ViewShadow>(light.lattice, group.sheets, filter, group.batchSheets, plan.simd);
     }
 }
 
@@ -71,6 +74,7 @@ void LightSweep::enterBatch(int firstSheet, int count) {
                 OnSheet& here = m_onSheets[p];
                 const Caster& caster = m_casters[i];
                 here.lights.push_back(*light);
+                here.lights.back().channels = caster.channels;
                 for (int c = 0; c < m_channels; ++c)
                     here.shadows.push_back(caster.shadows.empty() ? nullptr : caster.shadows[c].get());
                 if (m_passSolids) here.solids.push_back(caster.solids ? &*caster.solids : nullptr);
@@ -92,9 +96,10 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
         // these into its buffer.
         if (caster.ownSheets) work.footprints += caster.ownSheets->splat(firstSheet, count);
         const ExtinctionSum& sheets = caster.ownSheets ? *caster.ownSheets : extinction;
-        for (std::size_t c = 0; c < caster.shadows.size(); ++c) {
+        for (const int channel : caster.channels) {
+            const auto c = std::size_t(channel);
             // A channel may be empty where another one is looked up; light arrives there, too.
-            const PlaneStack& planes = sheets.total(static_cast<int>(c));
+            const PlaneStack& planes = sheets.total(channel);
             caster.shadows[c]->beginBatch(firstSheet, count, planes, sheets.covered());
             shadowed.push_back({caster.shadows[c].get(), &planes, &sheets.surfacesAlone()});
         }
@@ -150,6 +155,11 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     out.axisU = static_cast<Real>(axis.x);
     out.axisV = static_cast<Real>(axis.y);
     out.axisW = static_cast<Real>(axis.z);
+    if (light.luminaire) {
+        out.profile = light.luminaire->profile.get();
+        const Mat3 frame = sheets.ssFromWs * lightFrame(light);
+        for (int c = 0; c < 3; ++c) out.profileFrame[c] = frame[c];
+    }
     if (const Light::Element* element = light.element()) {
         const Spread spread(element->spread);
         out.oneSided = true;
@@ -221,7 +231,7 @@ std::uint64_t LightSweep::solidRays() const {
 std::size_t LightSweep::bytes() const {
     std::size_t sum = 0;
     for (const Caster& caster : m_casters) {
-        for (const auto& shadow : caster.shadows) sum += shadow->bytes();
+        for (const auto& shadow : caster.shadows) sum += shadow ? shadow->bytes() : 0;
         if (caster.ownSheets) sum += caster.ownSheets->bytes();
         if (caster.solids) sum += caster.solids->bytes();
     }

@@ -13,8 +13,10 @@
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/model/eye_view.h>
+#include <scrim/image/light_profile.h>
 #include <scrim/scene/slide_map.h>
 
+#include <span>
 #include <vector>
 
 namespace scrim {
@@ -45,6 +47,8 @@ struct SheetLight {
     Real distanceW = 0;                         ///< and its distance to the sheet's plane along w, world units, > 0
     Real radius2 = 0;                           ///< world units squared, > 0 if the light decays
     Real axisU = 0, axisV = 0, axisW = 1;       ///< for spots and elements
+    const LightProfile* profile = nullptr;      ///< of a luminaire; null: none
+    Vec3 profileFrame[3];                       ///< its axes right, up and along the light
     Real spreadTangent = 0, spreadScale = 0;    ///< elements with a spread (see Spread); scale 0: none
     Real cosOuter = -1, cosInner = Real(-0.9);  ///< spot: the light fades between them
     // Windows divide a light close to the volume into overlapping parts. The share of this part in a direction is its
@@ -53,8 +57,9 @@ struct SheetLight {
     int window = 0;
     Real windowCos = 0;  ///< a window falls to 0 at this cosine to its axis
     Real intensity[3] = {1, 1, 1};
-    int output = 0;  ///< output that receives its light: a part of the beauty, or the beauty
-    int index = 0;   ///< index among the lights of the plan
+    int output = 0;                      ///< output that receives its light: a part of the beauty, or the beauty
+    int index = 0;                       ///< index among the lights of the plan
+    std::span<const int> channels = {};  ///< the extinction channels that attenuate it, if shadowed
     SheetSlide slide;
 };
 

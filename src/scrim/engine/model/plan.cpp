@@ -15,6 +15,11 @@ double rampAt(const Vec2& ramp, double position) {
     return t * t * (3 - 2 * t);
 }
 
+// A volume's tint. Classified volumes are grey, since a transfer function has one extinction.
+Rgb tintOf(const ViewVolume& volume) {
+    return volume.classified ? Rgb(1) : volume.medium.relativeTint();
+}
+
 }  // namespace
 
 SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights,
@@ -43,6 +48,7 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
     if (primary && wants(Layer::ambient) && lit) layout.ambient = add(Layer::ambient);
     if (primary && wants(Layer::emission)) layout.emission = add(Layer::emission);
     layout.beautyParts = static_cast<int>(outputs.list.size()) + 1;
+    if (wants(Layer::indirect)) layout.indirect = add(Layer::indirect);
     if (primary && wants(Layer::albedo)) layout.albedo = add(Layer::albedo);
     if (primary && wants(Layer::depth)) layout.depth = add(Layer::depth);
     if (primary && wants(Layer::motion)) layout.motion = add(Layer::motion);
@@ -74,6 +80,52 @@ std::size_t layerCount(const ViewScene& scene) {
                  : layer == Layer::volume || layer == Layer::cryptomatte ? placesOf(scene)
                                                                          : 1;
     return count;
+}
+
+ExtinctionChannels extinctionChannels(const ViewScene& scene) {
+    std::vector<Rgb> tints;
+    std::vector<std::vector<bool>> shadows;
+    const auto addNew = [](auto& all, const auto& one) {
+        if (std::find(all.begin(), all.end(), one) == all.end()) all.push_back(one);
+    };
+    for (const ViewVolume& volume : scene.volumes) {
+        addNew(tints, tintOf(volume));
+        addNew(shadows, volume.shadows);
+    }
+    if (scene.volumes.empty()) return {};
+    constexpr std::size_t kColours = 3;
+    const bool perTint = tints.size() <= kColours;
+    if (!perTint) tints = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    if (tints.size() * shadows.size() > std::size_t(ExtinctionChannels::kMost))
+        throw Error(ErrorKind::usage, fmt::format("the volumes have {} tints of extinction and cast shadows in {} sets "
+                                                  "of lights; expected a product of at most {}",
+                                                  tints.size(), shadows.size(), ExtinctionChannels::kMost));
+    ExtinctionChannels channels;
+    channels.tints.clear();
+    channels.shadows.clear();
+    for (const std::vector<bool>& lights : shadows)
+        for (const Rgb& tint : tints) {
+            channels.tints.push_back(tint);
+            channels.shadows.push_back(lights);
+        }
+    channels.coloured = channels.count() > 1 || tints.front() != Rgb(1) || !shadows.front().empty();
+    for (const ViewVolume& volume : scene.volumes) {
+        const Rgb tint = tintOf(volume);
+        std::vector<Real>& weights = channels.weights.emplace_back();
+        for (int i = 0; i < channels.count(); ++i) {
+            const bool own = channels.shadows[std::size_t(i)] == volume.shadows;
+            const bool same = channels.tints[std::size_t(i)] == tint;
+            weights.push_back(!own ? 0 : !perTint ? static_cast<Real>(tint[i % int(kColours)]) : same ? 1 : 0);
+        }
+    }
+    return channels;
+}
+
+std::vector<int> ExtinctionChannels::castIn(std::size_t light) const {
+    std::vector<int> channels;
+    for (std::size_t i = 0; i < tints.size(); ++i)
+        if (litBy(shadows[i], light)) channels.push_back(static_cast<int>(i));
+    return channels;
 }
 
 std::vector<int> TransportPlan::lights() const {

@@ -42,6 +42,7 @@ struct OutputLayout {
     bool coloured = false;
     bool beauty = true;
     int ambient = 0, emission = 0;             ///< the outputs that receive light which belongs to no light
+    int indirect = 0;                          ///< receives what has scattered more than once, too; 0: none
     std::optional<int> albedo, depth, motion;  ///< the outputs of these layers, where they are asked for
     /// The output for the opacity of what is visible, in each channel, if something hides without being visible. It is
     /// then the picture's alpha. It is not a layer, and is the last output.
@@ -76,16 +77,26 @@ std::size_t layerCount(const ViewScene& scene);
 
 /// Extinction in colour c is the sum over extinction channels of (channel's value) * tints[channel][c]. A scene without
 /// colours has one white channel. With up to three tints there is a channel for each tint, with more there are the
-/// channels red, green and blue. Thus sheets and shadow buffers are scalar whatever the colours are.
+/// channels red, green and blue. Thus sheets and shadow buffers are scalar whatever the colours are. Volumes that cast
+/// shadows in different lights have channels of their own, of which a light passes through some.
 struct ExtinctionChannels {
-    bool coloured = false;
+    static constexpr int kMost = 9;
+    bool coloured = false;  ///< true wherever there is more than one channel
     std::vector<Rgb> tints{Rgb(1)};
+    /// For each channel the lights of the scene in which it casts shadows, as ViewVolume::shadows.
+    std::vector<std::vector<bool>> shadows{{}};
     /// For each volume of the scene, by channel: the factor on the volume's extinction in the colour where it is
     /// largest.
     std::vector<std::vector<Real>> weights;
 
     int count() const { return static_cast<int>(tints.size()); }
+    /// The channels that cast shadows in light `light` of the scene.
+    std::vector<int> castIn(std::size_t light) const;
 };
+
+/// The channels of a scene. Throws Error(usage) if there are too many.
+ExtinctionChannels extinctionChannels(const ViewScene& scene);
+
 /// The light that is solved for together, because it belongs to the same layer.
 struct ScatterTarget {
     std::optional<Output> output;  ///< none: the beauty

@@ -27,7 +27,7 @@ bool contains(const std::array<Vec3, 8>& c, const Vec3& p) {
     const Mat3 edges(c[1] - c[0], c[2] - c[0], c[4] - c[0]);
     if (std::abs(glm::determinant(edges)) < 1e-300) return false;
     const Vec3 at = glm::inverse(edges) * (p - c[0]);
-    return std::min({at.x, at.y, at.z}) >= 0 && std::max({at.x, at.y, at.z}) <= 1;
+    return smallest(at) >= 0 && largest(at) <= 1;
 }
 
 // The part of space that a picture shows.
@@ -202,8 +202,9 @@ std::vector<std::string> culledVolumes(const Camera& camera, const PixelWindow& 
     const auto shades = [&](std::size_t v) {
         for (std::size_t i = 0; i < lights.size(); ++i)
             for (std::size_t w = 0; w < volumes.size(); ++w)
-                if (lights[i].shadows && lights[i].intensity != Rgb(0) && litBy(volumes[w].lights, i) &&
-                    !visible[w].empty() && shadowReaches(lights[i], *volumes[v].wsCorners, visible[w]))
+                if (lights[i].shadows && lights[i].intensity != Rgb(0) && litBy(volumes[v].shadows, i) &&
+                    litBy(volumes[w].lights, i) && !visible[w].empty() &&
+                    shadowReaches(lights[i], *volumes[v].wsCorners, visible[w]))
                     return true;
         return false;
     };

@@ -30,7 +30,7 @@ struct VolumeBox {
     /// Eight corners for each field, in the order of Bounds::corners(). An empty vector: the volume is empty; no
     /// vector: its place is unknown.
     std::optional<std::vector<Vec3>> wsCorners;
-    std::vector<bool> lights;  ///< as in ViewVolume
+    std::vector<bool> lights, shadows;  ///< as in ViewVolume
 };
 
 /// For each volume the reason why it is culled: it is out of view, and casts no shadow on anything in view. Empty if it

@@ -123,7 +123,7 @@ Effect depthPicture(const ViewScene& scene) {
 std::string extent(const Light& light) {
     if (light.dome()) return light.slide ? "a dome with a picture" : "a dome";
     if (!light.area()) return fmt::format("a sun of {:.3g} degrees", std::get<Light::Distant>(light.kind).angle);
-    constexpr const char* kShapes[] = {"a rectangle", "a disk", "a sphere", "a cylinder"};
+    constexpr const char* kShapes[] = {"a rectangle", "a disk", "a sphere", "a cylinder", "a mesh"};
     return kShapes[std::size_t(light.area()->shape)];
 }
 
@@ -275,15 +275,15 @@ void addMediumEffects(const ViewScene& scene, const Plan& plan, std::vector<Effe
     effects.push_back(multipleScattering(scene, plan));
 }
 
-Effect lightLinking(const ViewScene& scene) {
-    return volumesThat(scene, ".lights",
-                       [](const ViewVolume& v) {
-                           const auto lit = std::count(v.lights.begin(), v.lights.end(), true);
-                           return v.lights.empty()
-                                      ? std::string()
-                                      : fmt::format("{} by {} of {} lights", quoted(v.name), lit, v.lights.size());
-                       })
-        .effect("light linking", "", "all lights light all volumes");
+// What links lights to volumes: `lights` holds those of a volume, or nothing for all.
+Effect linking(const ViewScene& scene, const char* key, std::vector<bool> ViewVolume::*lights, const std::string& name,
+               const std::string& verb, const std::string& none) {
+    const auto linked = [&](const ViewVolume& v) {
+        const std::vector<bool>& of = v.*lights;
+        const auto count = std::count(of.begin(), of.end(), true);
+        return of.empty() ? "" : fmt::format("{} {} {} of {} lights", quoted(v.name), verb, count, of.size());
+    };
+    return volumesThat(scene, key, linked).effect(name, "", none);
 }
 
 Effect crossFade(const ViewScene& scene, const Plan& plan) {
@@ -360,7 +360,10 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     std::vector<Effect> effects{shadows(scene, plan), extendedLights(scene, plan), slides(scene, plan),
                                 surfaces(scene)};
     addMediumEffects(scene, plan, effects);
-    effects.push_back(lightLinking(scene));
+    effects.push_back(
+        linking(scene, ".lights", &ViewVolume::lights, "light linking", "by", "all lights light all volumes"));
+    effects.push_back(linking(scene, ".shadows", &ViewVolume::shadows, "shadow linking", "in",
+                              "all volumes cast shadows in all lights"));
     effects.push_back(ofDial(scene, "ambient light", "ambient", scene.ambient != Rgb(0),
                              scene.ambient != Rgb(0) ? "[ambient] has a color" : "[ambient] is black"));
     effects.push_back(solids(scene, SolidRole::holdout, "holdouts", "", "no mesh hides volumes"));

@@ -2,6 +2,7 @@
 #include <scrim/engine/plan/light_groups.h>
 
 #include <scrim/base/error.h>
+#include <scrim/image/light_profile.h>
 #include <scrim/scene/slide_map.h>
 #include <scrim/geometry/enclosing_cone.h>
 
@@ -297,6 +298,10 @@ Beam beamOf(const Light& light) {
     if (const Light::Element* element = light.element()) {
         beam.angle = glm::radians(0.5 * element->spread);
         beam.directions = rimOfCone(light.wsDirection, beam.angle);
+    }
+    if (light.luminaire && light.luminaire->profile) {
+        const double angle = glm::radians(light.luminaire->profile->reach());
+        if (angle < beam.angle) beam = {rimOfCone(light.wsDirection, angle), angle};
     }
     if (!light.slide) return beam;
     if (light.slide->outside == SlideOutside::black) {

@@ -184,13 +184,6 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
     plan.groups = std::move(all);
 }
 
-constexpr std::size_t kColours = 3;
-
-// A volume's tint. Classified volumes are grey, since a transfer function has one extinction.
-Rgb tintOf(const ViewVolume& volume) {
-    return volume.classified ? Rgb(1) : volume.medium.relativeTint();
-}
-
 // The reason why a slide needs shading at pixels: texels blur features that are less than two texels wide. (A slide of
 // noise in smoke, with pixels as large as a texel, gave errors of 5 to 7 % at texels and 1.5 % at pixels; with pixels
 // four times as large, 2 % and 1.5 %.) Empty if no slide needs it.
@@ -305,34 +298,15 @@ std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
 }
 
 void checkSlides(const ViewScene& scene) {
-    for (const Light& light : scene.lights)
-        if (light.slide && !light.slide->image)
-            throw Error(ErrorKind::usage,
-                        fmt::format("the slide '{}' of light '{}' is not loaded", light.slide->file, light.name));
+    for (const Light& light : scene.lights) {
+        std::string what = light.slide && !light.slide->image ? fmt::format("slide '{}'", light.slide->file) : "";
+        if (light.luminaire && !light.luminaire->profile) what = fmt::format("luminaire '{}'", light.luminaire->file);
+        if (!what.empty())
+            throw Error(ErrorKind::usage, fmt::format("the {} of light '{}' is not loaded", what, light.name));
+    }
 }
 
 }  // namespace
-
-ExtinctionChannels extinctionChannels(const ViewScene& scene) {
-    ExtinctionChannels channels;
-    channels.tints.clear();
-    for (const ViewVolume& volume : scene.volumes) {
-        const Rgb tint = tintOf(volume);
-        if (std::find(channels.tints.begin(), channels.tints.end(), tint) == channels.tints.end())
-            channels.tints.push_back(tint);
-        channels.coloured = channels.coloured || tint != Rgb(1);
-    }
-    if (channels.tints.empty()) channels.tints.emplace_back(1);
-    const bool perTint = channels.tints.size() <= kColours;
-    if (!perTint) channels.tints = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (const ViewVolume& volume : scene.volumes) {
-        const Rgb tint = tintOf(volume);
-        std::vector<Real>& weights = channels.weights.emplace_back();
-        for (int i = 0; i < channels.count(); ++i)
-            weights.push_back(!perTint ? static_cast<Real>(tint[i]) : channels.tints[std::size_t(i)] == tint ? 1 : 0);
-    }
-    return channels;
-}
 
 Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress) {
     const Checkpoint checkpoint = [&] {

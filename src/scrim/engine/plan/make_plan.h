@@ -9,8 +9,6 @@
 
 namespace scrim {
 
-ExtinctionChannels extinctionChannels(const ViewScene& scene);
-
 /// Plans a render for `threads` threads. Throws Error: usage (a slide without its image), render (field of view too
 /// wide, more sheets or texels than can be addressed), memory (the scene's memory limit is too small for one sheet and
 /// light, or for the plan), interrupted (if `progress`, which is called now and then, and always with 0, asks for it).

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/plan/effects.h>
+#include <scrim/image/light_profile.h>
 #include <scrim/scene/quality.h>
 
 #include <fmt/format.h>
@@ -36,6 +37,7 @@ Json lightJson(const ViewScene& scene, const Plan& plan, const PlannedLight& lig
     if (light.shadowed) out["shadow_raster"] = {light.view.width, light.view.height};
     if (const auto& slide = lightOf(scene, plan, light.light).slide)
         out["slide"] = {{"file", slide->file}, {"pixels", {slide->image->width(), slide->image->height()}}};
+    if (const auto& luminaire = lightOf(scene, plan, light.light).luminaire) out["ies"] = luminaire->file;
     if (!light.ssWindows.empty()) {
         out["window"] = light.window;
         out["windows"] = light.ssWindows.size();
@@ -80,6 +82,8 @@ std::string lightLine(const ViewScene& scene, const Plan& plan, const PlannedLig
     if (!light.ssWindows.empty()) line += fmt::format(", part {}", light.window + 1);
     if (const auto& slide = lightOf(scene, plan, light.light).slide)
         line += fmt::format(", slide of {} x {} pixels", slide->image->width(), slide->image->height());
+    if (const auto& luminaire = lightOf(scene, plan, light.light).luminaire)
+        line += fmt::format(", profile that reaches {:.3g} degrees", luminaire->profile->reach());
     line += light.shadowed ? fmt::format(": shadow raster {} x {} cells\n", light.view.width, light.view.height)
                            : std::string(": no shadows\n");
     return line;

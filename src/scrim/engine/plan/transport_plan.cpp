@@ -78,7 +78,7 @@ bool oneColour(const ViewScene& scene) {
 }
 
 // The number of ordinates, by the narrowest phase function. Errors measured on smoke lit from behind, with cells of two
-// voxels: for g = 0.75, 4 % with 64 ordinates and 3 % with 128; for g = 0.9, 10, 9 and 4 % with 64, 128 and 256.
+// voxels: for g = 0.75, 4.2, 3.0 and 2.5 % with 64, 128 and 256 ordinates; for g = 0.9, 10, 8 and 6.6 %.
 int ordinatesFor(const ViewScene& scene) {
     double narrowest = 0;
     for (const ViewVolume& v : scene.volumes) {
@@ -88,9 +88,7 @@ int ordinatesFor(const ViewScene& scene) {
     }
     // A spot of light on a wall is small. In a room of haze with a window, and walls of albedo 0.8, the error is 1.8 %
     // with 64 and 0.7 % with 128 or 256; with black walls 0.4 and 0.2 %.
-    const bool sentBack = solidsBlock(scene) && std::any_of(scene.solids->all().begin(), scene.solids->all().end(),
-                                                            [](const Solid& s) { return s.sendsBack(); });
-    return narrowest <= 0.75 && !sentBack ? 64 : narrowest <= 0.85 ? 128 : 256;
+    return narrowest <= 0.7 && !wallsSendBack(scene) ? 64 : narrowest <= 0.8 ? 128 : 256;
 }
 
 // The reason why light cannot be kept on cells; empty: it can.
@@ -104,6 +102,7 @@ std::string unfitForCells(const ViewScene& scene) {
             return fmt::format("the surfaces of volume '{}' need the direction of all light", volume.name);
         if (volume.medium.scattering == Scattering::octaves && volume.medium.octaves.count > 1)
             return fmt::format("volume '{}' scatters in octaves", volume.name);
+        if (!volume.shadows.empty()) return fmt::format("volume '{}' casts shadows in some lights only", volume.name);
     }
     return {};
 }
@@ -119,31 +118,40 @@ std::vector<bool> lightsInView(const ViewScene& scene) {
     return seen;
 }
 
-// The largest optical depth of a voxel.
-double depthOfVoxel(const ViewScene& scene) {
-    double depth = 1e-9;
-    for (const ViewVolume& v : scene.volumes)
-        depth = std::max(depth, double(v.field->maxValue) * v.medium.mostExtinction() * voxelUnit(scene));
-    return depth;
+constexpr double kDepth = 0.3;        // optical depth of a cell that is as good as a thin one
+constexpr double kFinestCell = 0.25;  // edge, voxels
+
+// True if a light is so close to the volumes, or among them, that one view cannot hold them.
+bool isAmong(const Light& light, const std::vector<Vec3>& wsCorners) {
+    std::vector<Vec3> directions;
+    return coneToCorners(light.wsPosition, wsCorners, directions).cosAngle <= std::cos(kWidestView);
 }
 
-constexpr double kDepth = 0.3;  // optical depth of a cell that is as good as a thin one
+// The least number of sub-lights that cells are better for. A light of few points or directions has shadows that are
+// sharper than cells; where voxels are dense, shadows have edges of a voxel, and more points are few. Measured on solid
+// shapes of 0.52 per voxel under a disk of 11 sub-lights: 2.8 % on cells, 0.6 % in buffers; on a hypertexture of 1.9
+// per voxel, too dense for the finest cells, beside a rectangle of 25 and with a lamp in it: 1.05 and 0.54 %.
+int leastForCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
+    constexpr int kMany = 4, kManyAtEdges = 16, kManyInSolid = 64;
+    const double depth = depthOfVoxel(scene);
+    if (depth <= kDepth) return kMany;
+    const bool beside = light.area() && !isLampOnCells(scene, light) && !isAmong(light, wsCorners);
+    return beside && kFinestCell * depth > kDepth ? kManyInSolid : kManyAtEdges;
+}
 
-// Whether a light is better kept on cells, or is told to be. A light of few points or directions, or far away, has
-// shadows that are sharper than cells; where voxels are dense, shadows have edges of a voxel, and more points are few.
-// Measured on solid shapes of 0.52 per voxel under a disk of 11 sub-lights: 2.8 % on cells, 0.6 % in buffers.
+// Whether a light is better kept on cells, or is told to be.
 bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
-    constexpr int kMany = 4, kManyAtEdges = 16;
-    if (!light.shadows || black(light.intensity) || light.shadow == ShadowMethod::buffers) return false;
+    if (black(light.intensity) || light.shadow == ShadowMethod::buffers) return false;
+    if (!light.shadows && !isLampOnCells(scene, light)) return false;
     if (light.dome() && skiesFromBorder(scene)) return false;
     const bool forced = light.shadow == ShadowMethod::cells;
     if (light.area() || light.dome())
-        return forced || subLightCount(scene, light) >= (depthOfVoxel(scene) > kDepth ? kManyAtEdges : kMany);
+        return forced || subLightCount(scene, light) >= leastForCells(scene, light, wsCorners);
     if (light.distant()) return forced && light.extended();
-    // A lamp in the smoke would need windows of directions with a sweep each.
+    // A lamp in the smoke would need windows of directions with a sweep each, even one that casts no shadows.
     if (light.spot() || light.slide) return false;
-    std::vector<Vec3> directions;
-    return forced || coneToCorners(light.wsPosition, wsCorners, directions).cosAngle <= std::cos(kWidestView);
+    if (light.luminaire && !forced && beamOf(light).angle <= kWidestView) return false;
+    return forced || isAmong(light, wsCorners);
 }
 
 // The edge of cells in voxels: as large as a cell is thin, and as features are large, for which the size of the volumes
@@ -152,15 +160,17 @@ bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec
 // voxel under a dome, 2.0, 4.2, 1.3 and 1.1 %; on a cloud of 58 voxels and 0.33 per voxel, 1.0, 2.1, 0.7 and 0.6 %; on
 // a slab of 24 voxels and 0.33 per voxel, with a soft box and a lamp in it, 2.5, 2.0, 0.8 and 0.6 %. On a plume of 366
 // voxels and 0.11 per voxel, with cells of 1, 1.4, 2 and 3 voxels: 0.7, 0.7, 0.8 and 1.1 % for a dome, 0.7, 0.8, 1.1
-// and 1.4 % for a soft box.
+// and 1.4 % for a soft box. A cloud of 0.29 per voxel has sharp rims: with a soft box and a lamp in it, cells of 1 and
+// 0.5 voxels leave 2.5 and 0.6 %.
 double lightCell(const ViewScene& scene, const Light& light, const Vec3& wsSize) {
     if (scene.dials.lightCell) return *scene.dials.lightCell;
-    constexpr double kFine = 0.004, kFeatures = 1.0 / 120, kMostAlong = 256;
+    constexpr double kFine = 0.004, kFeatures = 1.0 / 120, kMostAlong = 256, kRims = 0.2;
     const double longest = std::max({wsSize.x, wsSize.y, wsSize.z}) / voxelUnit(scene);
     // The few points of a sphere are not to be told apart.
     const double features = std::max(kFeatures * longest, isLampOnCells(scene, light) ? 1 : 0.0);
-    const double wanted = std::max(std::min(kDepth / depthOfVoxel(scene), features), longest / kMostAlong);
-    double edge = 0.25;
+    const double depth = depthOfVoxel(scene), thin = kDepth / depth * std::min(1.0, kRims / depth);
+    const double wanted = std::max(std::min(thin, features), longest / kMostAlong);
+    double edge = kFinestCell;
     for (const double step : {1.0 / 3, 0.5, 1.0, 2.0, 3.0, 4.0})
         if (step <= wanted) edge = step;
     if (scene.dials.lightError < kFine) edge = std::max(0.5 * edge, longest / (2 * kMostAlong));
@@ -182,6 +192,13 @@ double occupied(const ViewScene& scene, double margin) {
 }
 
 }  // namespace
+
+double depthOfVoxel(const ViewScene& scene) {
+    double depth = 1e-9;
+    for (const ViewVolume& v : scene.volumes)
+        depth = std::max(depth, double(v.field->maxValue) * v.medium.mostExtinction() * voxelUnit(scene));
+    return depth;
+}
 
 void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, std::vector<std::string>& reasons) {
     const bool border = skiesFromBorder(scene);
@@ -232,13 +249,15 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     const double fields = 2 * (colours * ((shared ? std::min(lamps, 1.0) : lamps) +
                                           (wants(scene, Layer::light) ? others : std::min(others, 1.0))) +
                                blocked);
-    const double bytes = sizeof(Real) * (cells.x * cells.y * cells.z * (1 + colours) + stored * (fields + 1) +
-                                         (shared ? 2 * colours * near : 0));
+    // Slices keep the used part of each row of the box, and where it begins.
+    const double rows = std::max({cells.x * cells.y, cells.y * cells.z, cells.z * cells.x}), kept = 20 * rows;
+    const double slices = std::min(cells.x * cells.y * cells.z, stored) * (1 + colours) + kept;
+    const double bytes = sizeof(Real) * (slices + stored * (fields + 1) + (shared ? 2 * colours * near : 0));
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
     constexpr double kMostBytes = 4e9;
     if (bytes <= (scene.memoryLimit > 0 ? 0.5 * double(scene.memoryLimit) : kMostBytes)) return plan;
     CellLightPlan none;
-    none.unfit = fmt::format("the cells of the box around all volumes would take {}", bytesText(plan.bytes));
+    none.unfit = fmt::format("the cells of all volumes would take {}", bytesText(plan.bytes));
     return none;
 }
 
@@ -261,10 +280,11 @@ TransportPlan planTransport(const ViewScene& scene) {
     TransportPlan plan;
     if (std::none_of(scene.volumes.begin(), scene.volumes.end(), scattersFully)) return plan;
     plan.targets = targetsOf(scene);
-    plan.edge = scene.dials.scatterCell * voxelUnit(scene);
+    const double cell = scene.dials.scatterCell.value_or(kScatterCell);
+    plan.edge = cell * voxelUnit(scene);
     plan.ordinates = scene.dials.scatterDirections.value_or(ordinatesFor(scene));
     plan.isotropic = std::all_of(scene.volumes.begin(), scene.volumes.end(),
-                                 [](const ViewVolume& v) { return !scattersFully(v) || v.medium.phase.isotropic(); });
+                                 [](const ViewVolume& v) { return v.classified || v.medium.phase.isotropic(); });
     plan.colours = oneColour(scene) ? 1 : 3;
     // Blocks of cells at the border are only partly covered by voxels' blocks, which about doubles their number.
     plan.cells = 2 * occupied(scene, 0.5 * plan.edge) / (plan.edge * plan.edge * plan.edge);
@@ -279,8 +299,12 @@ TransportPlan planTransport(const ViewScene& scene) {
         throw Error(ErrorKind::memory,
                     fmt::format("multiple scattering needs about {} with cells of {:.4g} voxels, more than the memory "
                                 "limit of {}; raise scatter_cell",
-                                bytesText(plan.bytes), scene.dials.scatterCell, bytesText(scene.memoryLimit)));
+                                bytesText(plan.bytes), cell, bytesText(scene.memoryLimit)));
     return plan;
+}
+
+bool wallsSendBack(const ViewScene& scene) {
+    return solidsBlock(scene) && std::ranges::any_of(scene.solids->all(), [](const Solid& s) { return s.sendsBack(); });
 }
 
 }  // namespace scrim

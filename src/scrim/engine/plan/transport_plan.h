@@ -24,4 +24,10 @@ std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan);
 /// Throws Error(memory) if cells of the dial's size exceed the memory limit, or cannot be numbered.
 TransportPlan planTransport(const ViewScene& scene);
 
+/// True if solids send scattered light back into the volumes.
+bool wallsSendBack(const ViewScene& scene);
+
+/// The largest optical depth of a voxel, above 0.
+double depthOfVoxel(const ViewScene& scene);
+
 }  // namespace scrim

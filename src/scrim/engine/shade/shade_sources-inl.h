@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// Rows for three channels. With grey extinction only the first row is used.
+// Rows for three colours. With grey extinction only the first row is used.
 struct Rows {
     alignas(64) Real values[3][kTileSize];
 };
@@ -23,22 +23,28 @@ struct Work {
     alignas(64) Real slantEye[kTileSize];
     alignas(64) Real pathEye[kTileSize];
     Rows extinction, tauIn;  // only with coloured extinction
+    Rows casting;            // extinction in a light that some channels do not attenuate
     Rows tauEye, light, through;
     Rows beauty;
     Incidence in;
     ShadeWork done;
 };
 
-// The sum of the input's rows, each multiplied by its tint.
-HWY_ATTR void mix(const ShadeInput& input, const Real* const* rows, Rows& out) {
+// The sum of the rows of these extinction channels, each multiplied by its tint.
+HWY_ATTR void mix(const ShadeInput& input, const Real* const* rows, std::span<const int> channels, Rows& out) {
     const DF d;
     for (int c = 0; c < 3; ++c)
         forSamples([&](int k) HWY_ATTR {
-            auto sum = hn::Mul(load(rows[0], k), constant(input.tints[0][c]));
-            for (int r = 1; r < input.channels; ++r)
-                sum = hn::MulAdd(load(rows[r], k), constant(input.tints[r][c]), sum);
+            auto sum = constant(0);
+            for (const int r : channels) sum = hn::MulAdd(load(rows[r], k), constant(input.tints[r][c]), sum);
             hn::Store(sum, d, out.values[c] + k);
         });
+}
+
+constexpr int kChannels[ExtinctionChannels::kMost] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+
+std::span<const int> allChannels(const ShadeInput& input) {
+    return {kChannels, std::size_t(input.channels)};
 }
 
 Real* outputRow(const ShadeInput& input, Work& w, int output, int channel) {
@@ -76,7 +82,7 @@ HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real c
     if (own > 0) addSource(input, coefficient, color, channel, own, w);
 }
 
-// Adds multiply scattered radiance, which differs from sample to sample.
+// Adds light on cells, which differs from sample to sample.
 HWY_ATTR void addScatteredBefore(const ShadeInput& input, const SheetScattered& scattered, int output, Work& w) {
     const DF d;
     const SheetMedium& medium = input.media[std::size_t(scattered.medium)];
@@ -129,6 +135,8 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
         addScatteredBefore(input, scattered, scattered.output, w);
         if (const int own = input.media[std::size_t(scattered.medium)].output; own > 0)
             addScatteredBefore(input, scattered, own, w);
+        if (scattered.again && input.layout.indirect > 0)
+            addScatteredBefore(input, scattered, input.layout.indirect, w);
         w.done.scattered += kTileSize;
     }
     for (const SheetEmission& opacity : input.opacities)

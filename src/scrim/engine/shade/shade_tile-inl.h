@@ -109,6 +109,45 @@ HWY_ATTR void limitToFront(const SheetLight& light, Incidence& in) {
     });
 }
 
+// Applies the profile of a luminaire: LightProfile::at for all samples.
+HWY_ATTR void applyProfile(const SheetLight& light, Incidence& in) {
+    const DF d;
+    const LightProfile& profile = *light.profile;
+    constexpr Real kPi = Real(3.14159265358979324), kRounding = Real(1e-5);
+    const auto toRadians = [](double degrees) { return static_cast<Real>(degrees) * (kPi / 180); };
+    const auto first = constant(toRadians(profile.first()) - kRounding);
+    const auto last = constant(toRadians(profile.last()) + kRounding);
+    const auto perRow = constant(static_cast<Real>(profile.rows() - 1) / kPi);
+    const auto perColumn = constant(static_cast<Real>(profile.columns() - 1) / (2 * kPi));
+    alignas(64) Real row[kTileSize], column[kTileSize];
+    forSamples([&](int k) HWY_ATTR {
+        const auto along = [&](int i) HWY_ATTR {
+            const Vec3& axis = light.profileFrame[i];
+            return cosineTo(static_cast<Real>(axis.x), static_cast<Real>(axis.y), static_cast<Real>(axis.z), in, k);
+        };
+        const auto angle = [&](VF cosine)
+                               HWY_ATTR { return hn::Acos(d, hn::Min(hn::Max(cosine, constant(-1)), constant(1))); };
+        const auto x = along(0), y = along(1), vertical = angle(along(2));
+        const auto length = hn::Sqrt(hn::MulAdd(x, x, hn::MulAdd(y, y, constant(Real(1e-30)))));
+        const auto turn = angle(hn::Div(hn::Neg(y), length));
+        const auto horizontal = hn::IfThenElse(hn::Lt(x, constant(0)), hn::Sub(constant(2 * kPi), turn), turn);
+        hn::Store(hn::Mul(vertical, perRow), d, row + k);
+        hn::Store(hn::Mul(horizontal, perColumn), d, column + k);
+        const auto sends = hn::And(hn::Ge(vertical, first), hn::Le(vertical, last));
+        hn::Store(hn::IfThenElseZero(sends, load(in.irradiance, k)), d, in.irradiance + k);
+    });
+    for (int k = 0; k < kTileSize; ++k) {
+        if (in.irradiance[k] == 0) continue;
+        const int i = std::min(static_cast<int>(row[k]), profile.rows() - 2);
+        const int j = std::min(static_cast<int>(column[k]), profile.columns() - 2);
+        const float* corner = profile.values() + std::ptrdiff_t(i) * profile.columns() + j;
+        const Real right = column[k] - static_cast<Real>(j), down = row[k] - static_cast<Real>(i);
+        const auto across = [&](const float* p) { return p[0] + right * (p[1] - p[0]); };
+        const Real above = across(corner);
+        in.irradiance[k] *= above + down * (across(corner + profile.columns()) - above);
+    }
+}
+
 // Applies this part's share of a light that is divided into overlapping windows; the shares in a direction sum to 1.
 HWY_ATTR void limitToWindow(const SheetLight& light, Incidence& in) {
     const DF d;

@@ -61,6 +61,11 @@ HWY_ATTR void transmitBetween(const Real* tauIn, const Real* tauOut, const Real*
     });
 }
 
+// True if a channel of the extinction lets the light pass.
+bool leavesLightAlone(const ShadeInput& input, const SheetLight& light) {
+    return light.channels.size() < std::size_t(input.channels);
+}
+
 // The rest of one light at the samples, with `depth` as factor on extinction.
 HWY_ATTR void transmitAll(const ShadeInput& input, const SheetLight& light, const Real* tauIn, Real depth, Work& w) {
     const int channels = input.coloured ? 3 : 1;
@@ -68,8 +73,9 @@ HWY_ATTR void transmitAll(const ShadeInput& input, const SheetLight& light, cons
     if (input.tauOut && light.shadowed)
         return transmitBetween(tauIn, input.tauOut + (tauIn - input.tauIn), w.tauEye.values[0], w.in, w.pathEye,
                                w.light.values[0]);
+    const Rows& extinction = leavesLightAlone(input, light) ? w.casting : w.extinction;
     for (int c = 0; c < channels; ++c) {
-        const Passage passage{input.coloured ? w.extinction.values[c] : input.extinction[0],
+        const Passage passage{input.coloured ? extinction.values[c] : input.extinction[0],
                               input.coloured ? w.tauIn.values[c] : tauIn, w.tauEye.values[c],
                               light.withinSheet ? input.thickness : Real(0), depth};
         Real* out = w.light.values[c];
@@ -96,14 +102,16 @@ bool lights(const SheetLight& light, const std::vector<bool>* lit) {
     return !lit || (*lit)[light.index];
 }
 
-// Adds a volume's response to a light to the light's rows, and to the volume's own output, if it has one.
+// Adds a volume's response to a light to the light's rows, and to further outputs: 0 is none.
 template <class Add>
-void addTo(const ShadeInput& input, const Lit& lit, int output, Work& w, const Add& add) {
+void addTo(const ShadeInput& input, const Lit& lit, std::initializer_list<int> outputs, Work& w, const Add& add) {
     add(lit);
-    if (output == 0) return;
-    Lit own = lit;
-    for (int c = 0; c < 3; ++c) own.to[c] = outputRow(input, w, output, c);
-    add(own);
+    for (const int output : outputs) {
+        if (output == 0) continue;
+        Lit own = lit;
+        for (int c = 0; c < 3; ++c) own.to[c] = outputRow(input, w, output, c);
+        add(own);
+    }
 }
 
 // The first octave is single scattering, which also applies to surfaces; only media have further ones.
@@ -113,18 +121,18 @@ HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, con
     transmitAll(input, light, tauIn, 1, w);
     for (const SheetMedium& medium : input.media)
         if (lights(light, medium.lit))
-            addTo(input, lit, medium.output, w,
+            addTo(input, lit, {medium.output}, w,
                   [&](const Lit& to) { scatterInto<kTinted>(input, to, medium, medium.phase, 1, w); });
     for (const SheetSurface& surface : input.surfaces)
         if (lights(light, surface.lit))
-            addTo(input, lit, surface.output, w, [&](const Lit& to) { addReflected<kTinted>(to, surface); });
+            addTo(input, lit, {surface.output}, w, [&](const Lit& to) { addReflected<kTinted>(to, surface); });
     for (const SheetMedium& medium : input.media) {
         if (!lights(light, medium.lit)) continue;
         const Octaves& o = medium.octaves;
         for (int n = 1; n < o.count; ++n) {
             transmitAll(input, light, tauIn, static_cast<Real>(std::pow(o.extinction, n)), w);
             const Phase phase = flattened(medium.phase, std::pow(o.phase, n));
-            addTo(input, lit, medium.output, w, [&](const Lit& to) {
+            addTo(input, lit, {medium.output, input.layout.indirect}, w, [&](const Lit& to) {
                 scatterInto<kTinted>(input, to, medium, phase, static_cast<Real>(std::pow(o.contribution, n)), w);
             });
             w.done.octaves += kTileSize;
@@ -144,6 +152,7 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
     else
         meetPoint(input, light, w.in);
     if (light.spot) limitToCone(light, w.in);
+    if (light.profile) applyProfile(light, w.in);
     if (light.oneSided) limitToFront(light, w.in);
     if (light.windows) limitToWindow(light, w.in);
     if (input.unblocked) scale(input.unblocked + index * kTileSize, w.in.irradiance);
@@ -151,9 +160,10 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
 
     const Real* tauIn = input.tauIn + index * std::size_t(input.channels * kTileSize);
     if (input.coloured && light.shadowed) {
-        const Real* rows[3];
+        const Real* rows[ExtinctionChannels::kMost];
         for (int r = 0; r < input.channels; ++r) rows[r] = tauIn + r * kTileSize;
-        mix(input, rows, w.tauIn);
+        mix(input, rows, light.channels, w.tauIn);
+        if (leavesLightAlone(input, light)) mix(input, input.extinction, light.channels, w.casting);
     }
     Lit lit{&input, &light, &w.in, w.slantEye, {}, {}};
     for (int c = 0; c < 3; ++c) {
@@ -169,7 +179,7 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
 HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {
     const DF d;
     const int channels = input.coloured ? 3 : 1;
-    if (input.coloured) mix(input, input.extinction, w.extinction);
+    if (input.coloured) mix(input, input.extinction, allChannels(input), w.extinction);
     forSamples([&](int k) HWY_ATTR {
         const auto a = load(input.samples->eyeA, k), b = load(input.samples->eyeB, k);
         const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, constant(1))));
@@ -200,7 +210,7 @@ HWY_ATTR void writeBeauty(Work& w, Real* out) {
 HWY_ATTR void fillSeen(const ShadeInput& input, const Rows& opacity, Work& w) {
     const DF d;
     Rows& seen = w.tauIn;  // no longer needed
-    if (input.seen[0] && input.coloured) mix(input, input.seen, seen);
+    if (input.seen[0] && input.coloured) mix(input, input.seen, allChannels(input), seen);
     for (int c = 0; c < 3; ++c) {
         const Real* hides = opacity.values[input.coloured ? c : 0];
         Real* to = outputRow(input, w, *input.layout.seen, c);

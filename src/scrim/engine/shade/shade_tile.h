@@ -38,12 +38,13 @@ struct SheetMedium {
     int output = 0;       ///< further output, beside the beauty or its parts, for this medium; 0: none
 };
 
-/// Multiply scattered light at a medium, which acts as an environment that differs from sample to sample.
+/// Light on cells at a medium, which acts as an environment that differs from sample to sample.
 struct SheetScattered {
     int medium = 0;           ///< index into ShadeInput::media
     const Real* radiance[3];  ///< 256 values each
     Real share = 1;           ///< share that the sweep owns
     int output = 0;
+    bool again = false;  ///< it has scattered before
 };
 
 /// A source of emission of a sheet: radiance per world unit is 256 coefficients times a colour.
@@ -73,12 +74,12 @@ struct ShadeInput {
     bool sameSide;          ///< eye and light meet the same side of a sheet first (s = +1)
     /// Total extinction of all volumes per world unit. If it is grey, it is one row of 256 values. If `coloured`, it is
     /// the sum over the extinction channels of a row times its tint, and so is tau at entry.
-    const Real* extinction[3];
+    const Real* extinction[ExtinctionChannels::kMost];
     /// The same for visible volumes only; nullptr: all are visible.
-    const Real* seen[3];
+    const Real* seen[ExtinctionChannels::kMost];
     bool coloured;
     int channels;  ///< 1 if not coloured
-    Real tints[3][3];
+    Real tints[ExtinctionChannels::kMost][3];
     std::span<const SheetMedium> media;
     std::span<const SheetSurface> surfaces;
     std::span<const SheetEmission> emissions;
@@ -87,7 +88,9 @@ struct ShadeInput {
     /// radiance.
     std::span<const SheetEmission> opacities;
     std::span<const SheetLight> lights;
-    const Real* tauIn;  ///< tau at entry: `channels` x 256 values for each light; only read for shadowed lights
+    /// Tau at entry: `channels` x 256 values for each light; only read for shadowed lights, and of these in the
+    /// channels that attenuate them.
+    const Real* tauIn;
     /// Null, or 256 values for each shadowed light (if extinction is grey): tau where the eye's rays leave the sheet.
     /// `tauIn` is then tau where they enter it, and not where the light does.
     const Real* tauOut;

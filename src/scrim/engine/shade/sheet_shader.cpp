@@ -131,7 +131,8 @@ void SheetShader::chooseScattered(const std::vector<CellLight>& cellLight) {
         for (std::size_t i = 0; i < m_media.size(); ++i) {
             const auto& field = light.ofVolume[m_extinction.volumes()[m_mediumVolumes[i]].sceneVolume];
             if (!field) continue;
-            m_scatteredParts.push_back({static_cast<int>(i), {}, static_cast<Real>(m_group.primary), output});
+            m_scatteredParts.push_back(
+                {static_cast<int>(i), {}, static_cast<Real>(m_group.primary), output, light.again});
             m_scatteredFields.push_back(field);
         }
     }

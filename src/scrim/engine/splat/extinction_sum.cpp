@@ -46,7 +46,7 @@ using Alike = std::vector<std::size_t>;
 
 bool lookAlike(const ViewVolume& a, const ViewVolume& b) {
     return !a.classified && !b.classified && a.scatter.empty() && b.scatter.empty() && a.medium == b.medium &&
-           a.lights == b.lights && a.holdout == b.holdout && !a.motion && !b.motion;
+           a.lights == b.lights && a.shadows == b.shadows && a.holdout == b.holdout && !a.motion && !b.motion;
 }
 
 std::vector<Alike> alikeVolumes(const ViewScene& scene) {

@@ -50,6 +50,33 @@ HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const Real* u, const
     }
 }
 
+HWY_ATTR void runThroughSheetOnTarget(Real* before, Real* here, Real* behind) {
+    const DF d;
+    forSamples([&](int k) HWY_ATTR {
+        const auto a = load(before, k), b = load(here, k), c = load(behind, k);
+        const auto blur = hn::Mul(constant(Real(0.125)), hn::Add(hn::NegMulAdd(constant(2), b, a), c));
+        const auto sharp = [&](VF value) HWY_ATTR { return hn::Max(hn::Sub(value, blur), constant(0)); };
+        hn::Store(sharp(hn::Mul(constant(Real(0.5)), hn::Add(a, b))), d, before + k);
+        hn::Store(sharp(b), d, here + k);
+        hn::Store(sharp(hn::Mul(constant(Real(0.5)), hn::Add(b, c))), d, behind + k);
+    });
+}
+
+HWY_ATTR void rangeOfOnTarget(const Real* values, int width, int height, std::ptrdiff_t stride, Real* range) {
+    const DF d;
+    const int lanes = static_cast<int>(hn::Lanes(d));
+    auto low = hn::Set(d, values[0]), high = low;
+    for (int y = 0; y < height; ++y, values += stride)
+        for (int x = 0; x < width; x += lanes) {
+            // The last vector of a row may repeat values of the one before.
+            const auto some = hn::LoadU(d, values + std::min(x, width - lanes));
+            low = hn::Min(low, some);
+            high = hn::Max(high, some);
+        }
+    range[0] = hn::GetLane(hn::MinOfLanes(d, low));
+    range[1] = hn::GetLane(hn::MaxOfLanes(d, high));
+}
+
 // Calls consume(j, i, samples) for the lattice of 16 x 16 positions, one vector of columns at a time.
 template <class Consume>
 HWY_ATTR HWY_INLINE void forLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest,
@@ -161,6 +188,8 @@ HWY_AFTER_NAMESPACE();
 namespace scrim {
 
 HWY_EXPORT(samplePointsOnTarget);
+HWY_EXPORT(runThroughSheetOnTarget);
+HWY_EXPORT(rangeOfOnTarget);
 HWY_EXPORT(sampleLatticeOnTarget);
 HWY_EXPORT(attenuateTileOnTarget);
 HWY_EXPORT(prefilterAboveZeroOnTarget);
@@ -169,6 +198,16 @@ HWY_EXPORT(prefilterBetweenOnTarget);
 void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out, Real scale,
                   Real firstU, Real firstV) {
     SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, u, v, nearest, count, out, scale, firstU, firstV);
+}
+
+void runThroughSheet(Real* before, Real* here, Real* behind, Simd simd) {
+    SCRIM_ON_TARGET(simd, runThroughSheetOnTarget)(before, here, behind);
+}
+
+std::pair<Real, Real> rangeOf(const Real* values, int width, int height, std::ptrdiff_t stride, Simd simd) {
+    Real range[2];
+    SCRIM_ON_TARGET(simd, rangeOfOnTarget)(values, width, height, stride, range);
+    return {range[0], range[1]};
 }
 
 void sampleLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest, Real* out) {

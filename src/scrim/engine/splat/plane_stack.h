@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace scrim {
@@ -106,6 +107,17 @@ class PlaneStack {
 /// out[k] = plane at (u[k], v[k]) * scale + (firstU, firstV), for k in [0, count); count a multiple of 16.
 void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out,
                   Real scale = 1, Real firstU = 0, Real firstV = 0);
+
+/// The field at both faces and in the middle of a sheet, 256 samples each, from its values on the planes of sheets n -
+/// 1, n and n + 1; in place, in buffers aligned to 64 bytes.
+///
+/// These values are means over sheets, and the field is taken to be linear between them. Both make it smoother: by a
+/// 24th of the second difference over a sheet, and by a twelfth on average between planes. An eighth of it is therefore
+/// subtracted (as PlaneStack::prefilter does within the sheet), which halves the error of sharp transfer functions.
+void runThroughSheet(Real* before, Real* here, Real* behind, Simd simd);
+
+/// The least and the greatest of a box of values, at least 16 wide, whose rows begin `stride` values apart.
+std::pair<Real, Real> rangeOf(const Real* values, int width, int height, std::ptrdiff_t stride, Simd simd);
 
 /// out[j * 16 + i] = plane at (u + i * step, v + j * step), for i, j in [0, 16).
 void sampleLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest, Real* out);

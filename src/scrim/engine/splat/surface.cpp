@@ -18,40 +18,21 @@ namespace {
 // How far the field of the splats may be from the volume's own, as a part of the range of values around it.
 constexpr Real kVague = Real(0.25);
 
-// The least and greatest value of a tile and its neighbouring texels, on some planes.
-struct Limits {
-    Real low, high;
-};
+using Range = std::pair<Real, Real>;
 
-Limits limitsAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) {
+Range both(const Range& a, const Range& b) {
+    return {std::min(a.first, b.first), std::max(a.second, b.second)};
+}
+
+// The least and greatest value of a tile and its neighbouring texels, on some planes.
+Range rangeAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) {
     const int width = planes[0].width, height = planes[0].height;
     const int x0 = std::max(0, tx * kTileEdge - 1), x1 = std::min(width, (tx + 1) * kTileEdge + 1);
     const int y0 = std::max(0, ty * kTileEdge - 1), y1 = std::min(height, (ty + 1) * kTileEdge + 1);
-    Limits limits{planes[0].data[y0 * width + x0], 0};
-    for (const FloatPlane& plane : planes)
-        for (int y = y0; y < y1; ++y) {
-            const Real* row = plane.data + static_cast<std::ptrdiff_t>(y) * width;
-            for (int x = x0; x < x1; ++x) {
-                limits.low = std::min(limits.low, row[x]);
-                limits.high = std::max(limits.high, row[x]);
-            }
-        }
-    return limits;
-}
-
-// The field at both faces and in the middle of a sheet, from its values on the planes of sheets n - 1, n and n + 1.
-//
-// These values are means over sheets, and the field is taken to be linear between them. Both make it smoother: by a
-// 24th of the second difference over a sheet, and by a twelfth on average between planes. An eighth of it is therefore
-// subtracted (as PlaneStack::prefilter does within the sheet), which halves the error of sharp transfer functions.
-void runThroughSheet(Real& before, Real& here, Real& behind) {
-    const Real blur = Real(0.125) * (before - 2 * here + behind);
-    const auto sharp = [blur](Real value) { return value > blur ? value - blur : Real(0); };
-    const Real front = sharp(Real(0.5) * (before + here)), middle = sharp(here),
-               back = sharp(Real(0.5) * (here + behind));
-    before = front;
-    here = middle;
-    behind = back;
+    const auto on = [&](const FloatPlane& plane) {
+        return rangeOf(plane.data + static_cast<std::ptrdiff_t>(y0) * width + x0, x1 - x0, y1 - y0, width, plane.simd);
+    };
+    return both(on(planes[0]), both(on(planes[1]), on(planes[2])));
 }
 
 // The values of a plane where the eye's rays cross it; they move by `texels` per unit of slope.
@@ -146,8 +127,8 @@ void Surface::classifyTexels(int p, bool wanted) {
             // A tile is active if its texels, or anything between them and their neighbours, may show something,
             // because pixels look there, too.
             if (!anyActive(tx, ty)) continue;
-            const Limits limits = limitsAround(around, tx, ty);
-            if (!m_table.anyBetween(limits.low, limits.high)) continue;
+            const auto [low, high] = rangeAround(around, tx, ty);
+            if (!m_table.anyBetween(low, high)) continue;
             if (!wanted) {
                 out.activate(p, tx, ty);
                 continue;
@@ -161,10 +142,10 @@ void Surface::classifyTexels(int p, bool wanted) {
                 front[k] = around[0].data[at];
                 middle[k] = around[1].data[at];
                 back[k] = around[2].data[at];
-                runThroughSheet(front[k], middle[k], back[k]);
                 texels.u[k] = static_cast<Real>(tx * kTileEdge + k % kTileEdge);
                 texels.v[k] = static_cast<Real>(ty * kTileEdge + k / kTileEdge);
             }
+            runThroughSheet(front, middle, back, m_simd);
             cut(p, texels, front, middle, back, share);
             m_table.meanExtinction(front, middle, back, kTileSize, sigma, m_simd);
             weigh(p, texels, share, sigma);
@@ -258,20 +239,16 @@ void Surface::sampleRun(int p, const SampleTile& at, Real* front, Real* middle, 
     sampleAlongRays(plane(p, -1), at, -texelsPerSlope, front);
     sampleAlongRays(plane(p, 0), at, 0, middle);
     sampleAlongRays(plane(p, 1), at, texelsPerSlope, back);
-    for (int k = 0; k < kTileSize; ++k) runThroughSheet(front[k], middle[k], back[k]);
+    runThroughSheet(front, middle, back, m_simd);
 }
 
 // True if any value of the rays' courses has extinction, or is nearer to one that has than `margin`, as a part of their
 // range.
 bool Surface::anyShows(const Real* front, const Real* middle, const Real* back, Real margin) const {
-    Limits range{front[0], front[0]};
-    for (const Real* values : {front, middle, back})
-        for (int k = 0; k < kTileSize; ++k) {
-            range.low = std::min(range.low, values[k]);
-            range.high = std::max(range.high, values[k]);
-        }
-    margin *= range.high - range.low;
-    return m_table.anyBetween(range.low - margin, range.high + margin);
+    const auto of = [&](const Real* values) { return rangeOf(values, kTileSize, 1, kTileSize, m_simd); };
+    const auto [low, high] = both(of(front), both(of(middle), of(back)));
+    margin *= high - low;
+    return m_table.anyBetween(low - margin, high + margin);
 }
 
 bool Surface::meanExtinction(int p, const SampleTile& at, Real* out) const {

@@ -2,6 +2,7 @@
 #include <scrim/engine/transport/cell_field.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/transport/cell_slices.h>
 #include <scrim/engine/transport/light_sources.h>
 #include <scrim/geometry/bounds.h>
 #include <scrim/geometry/sheets.h>
@@ -31,36 +32,8 @@ Real* CellField::cell(std::size_t index) {
 
 namespace {
 
-// The radius of a lamp that is a sphere; 0: it is a point.
-double radiusOfSphere(const Light& lamp) {
-    return lamp.area() ? lamp.area()->radius : 0;
-}
-
-// The mean of the phase function over light that comes from a cone whose axis has the cosine `toEye` to the direction
-// towards the eye: two circles by Gauss and Legendre, six directions on each. `cosine`: of the cone's half angle.
-double phaseOver(const Phase& phase, double cosine, double toEye) {
-    constexpr double kNarrow = 0.9995;
-    if (cosine > kNarrow) return phaseValue(phase, toEye);
-    const double aside = std::sqrt(std::max(1 - toEye * toEye, 0.0));
-    double sum = 0;
-    for (const double node : {0.21132486540518713, 0.78867513459481287}) {
-        const double z = 1 - node * (1 - cosine), across = aside * std::sqrt(std::max(1 - z * z, 0.0));
-        for (const auto& [turn, count] : {std::pair(1.0, 1), {0.5, 2}, {-0.5, 2}, {-1.0, 1}})
-            sum += count * phaseValue(phase, std::clamp(z * toEye + across * turn, -1.0, 1.0));
-    }
-    return sum / 12;
-}
-
-// The way of light from a lamp to a place at distance r of its centre: of a sphere the mean over the solid angle that
-// it fills there, which is that of t = r mu - sqrt(r^2 mu^2 - h^2) for mu from h / r to 1, with h^2 = r^2 - radius^2.
-double wayFrom(const Light& lamp, double r) {
-    const double radius = radiusOfSphere(lamp);
-    if (radius == 0) return r;
-    if (r <= radius) return 0;
-    if (r > 2 * radius) return r - radius * (2.0 / 3 + 0.25 * radius / r);  // to 1e-3 radii
-    const double h = std::sqrt(r * r - radius * radius);
-    return 0.5 * (radius * radius - r * radius + h * h * std::log((r + radius) / h)) / (r - h);
-}
+const std::pair<Int3, std::int32_t> kNoBlock{Int3(1 << 30), -1};  // of sampleAt: none has been looked up
+constexpr double kMostDepth = 60;                                 // of light that could be seen
 
 }  // namespace
 
@@ -72,31 +45,72 @@ double nearestFar(const Light& lamp, double edge) {
     return 12 * edge + 3 * radiusOfSphere(lamp);
 }
 
+std::shared_ptr<const CellGrid> cellsNear(const Light& lamp, const CellGrid& all, const Vec3& wsCorner) {
+    const double reach = nearestFar(lamp, all.edge()) + all.edge(), half = 0.5 * kCellEdge * all.edge();
+    std::vector<Bounds> boxes;
+    for (const Int3& block : all.storedBlocks()) {
+        const Vec3 center = all.wsFromCs(Vec3(block * kCellEdge) + 0.5 * kCellEdge);
+        const Vec3 beside = glm::max(glm::abs(lamp.wsPosition - center) - half, Vec3(0));
+        if (glm::dot(beside, beside) <= reach * reach) boxes.push_back({center - all.edge(), center + all.edge()});
+    }
+    return std::make_shared<const CellGrid>(all.edge(), boxes, wsCorner);
+}
+
 void CellField::setLamp(const Light& lamp, const Phase& phase, const Camera& camera, bool nearby) {
     m_lamp = lamp;
+    if (lamp.luminaire) m_lampFrame = lightFrame(lamp);
     m_phase = phase;
     m_camera = camera;
-    // Light of a sphere of many cells begins at its surface. Just there, what cells know of the way is not precise.
-    m_beyond = hollowOnCells(lamp, m_grid->edge()) ? m_grid->edge() : 0;
+    m_hollow = hollowOnCells(lamp, m_grid->edge());
     m_near = nearby ? nearestFar(lamp, m_grid->edge()) : 0;
 }
 
-void CellField::makeMean(std::shared_ptr<const CellField> open) {
-    constexpr Real kNothing = Real(1e-30);  // no light that could be seen
-    m_open = std::move(open);
-    const double least = 1e-3 * m_grid->edge();
+// Calls visit(place, values) for each cell of each block, and for those around it, in parallel.
+template <class Visit>
+void CellField::forCells(const Visit& visit) {
     parallelFor(m_grid->storedBlocks().size(), [&](std::size_t b) {
         const Int3 first = m_grid->storedBlocks()[b] * kCellEdge - 1;
         Real* values = block(b);
-        for (int i = 0; i < static_cast<int>(kPaddedCells); ++i, values += m_colours) {
-            const Int3 place =
-                first + Int3(i % kPaddedEdge, i / kPaddedEdge % kPaddedEdge, i / (kPaddedEdge * kPaddedEdge));
-            const double r = glm::distance(m_grid->wsFromCs(Vec3(place) + 0.5), m_lamp->wsPosition);
-            const double way = m_beyond > 0 ? wayFrom(*m_lamp, r) + m_beyond : r;
-            for (std::size_t c = 0; c < m_colours; ++c)
-                values[c] = -std::log(std::max(values[c], kNothing)) / static_cast<Real>(std::max(way, least));
-        }
+        for (int i = 0; i < static_cast<int>(kPaddedCells); ++i, values += m_colours)
+            visit(first + Int3(i % kPaddedEdge, i / kPaddedEdge % kPaddedEdge, i / (kPaddedEdge * kPaddedEdge)),
+                  values);
     });
+}
+
+// The way that the mean extinction of a cell is for.
+double CellField::wayTo(const Int3& cell) const {
+    const double r = glm::distance(m_grid->wsFromCs(Vec3(cell) + 0.5), m_lamp->wsPosition);
+    return std::max(m_hollow ? wayFrom(*m_lamp, r) : r, kLeastWay * m_grid->edge());
+}
+
+void CellField::makeMean(const CellMedia& media, std::shared_ptr<const CellField> open) {
+    m_open = std::move(open);
+    forCells([&](const Int3& cell, Real* values) {
+        for (std::size_t c = 0; c < m_colours; ++c)
+            values[c] = -std::log(std::max(values[c], Real(1e-30))) / static_cast<Real>(wayTo(cell));
+    });
+    if (!m_lamp->shadows) return;
+    sharpenMeans(*this, [&](const Int3& cell) { return wayTo(cell); });
+    if (m_hollow)
+        forCells([&](const Int3& cell, Real* values) {
+            if (wayTo(cell) * double(values[0]) < kDarkDepth)
+                keepNearSphere(media, m_grid->wsFromCs(Vec3(cell) + 0.5), values);
+        });
+}
+
+// Replaces the mean extinction close to a sphere. Cells at its surface and within continue what is just outside.
+void CellField::keepNearSphere(const CellMedia& media, const Vec3& ws, Real* values) const {
+    // Cells; optical depths behind which little is left, and of a radius whose light is nearly that of its middle.
+    constexpr double kInside = 3, kOutside = 4, kDark = 6, kThin = 1;
+    const Vec3& center = m_lamp->wsPosition;
+    const double edge = m_grid->edge(), radius = radiusOfSphere(*m_lamp), r = glm::distance(ws, center);
+    const double k = double(values[0]), dense = k * radius < kThin ? 0 : std::min(radius, kDark / k);
+    const double share = std::clamp(2 * (1 - (r - radius) / std::max(kOutside * edge, dense)), 0.0, 1.0);
+    if (share == 0 || r < std::max(radius - kInside * edge, 1e-9 * edge)) return;
+    const double outside = std::max(r, radius + 0.25 * edge), way = wayFrom(*m_lamp, outside);
+    const Rgb depth = depthFromSphere(media, center, radius, center + outside / r * (ws - center));
+    for (std::size_t c = 0; c < m_colours; ++c)
+        values[c] += static_cast<Real>(share * (depth[static_cast<int>(c)] / way - double(values[c])));
 }
 
 // The part of the lamp's light that its own cells keep. The rest starts at the lamp as r^2 does, so that it bends
@@ -126,8 +140,15 @@ Rgb CellField::farLight(const Vec3& ws, double transmittance) const {
     const double r = glm::distance(ws, m_lamp->wsPosition);
     if (r < 1e-6 * m_near) return Rgb(0);
     // Cells too coarse to resolve a sphere know the transmittance from within.
-    if (m_beyond == 0 && radiusOfSphere(*m_lamp) > 0) transmittance = std::pow(transmittance, wayFrom(*m_lamp, r) / r);
-    return m_lamp->intensity * (transmittance * (1 - nearShare(r)) * lampFactor(ws) * lampDecay(r * r));
+    if (!m_hollow && radiusOfSphere(*m_lamp) > 0) transmittance = std::pow(transmittance, wayFrom(*m_lamp, r) / r);
+    const double part = luminairePart(*m_lamp, m_lampFrame, (ws - m_lamp->wsPosition) / r);
+    return m_lamp->intensity * (part * transmittance * (1 - nearShare(r)) * lampFactor(ws) * lampDecay(r * r));
+}
+
+std::optional<Rgb> CellField::evenFarLight(double& reach) const {
+    if (m_lamp->area() || m_lamp->luminaire || !m_lamp->point().decay || !m_phase.isotropic()) return std::nullopt;
+    reach = std::max(m_near, m_lamp->point().radius);
+    return m_lamp->intensity / (4 * std::numbers::pi);
 }
 
 double CellField::lampDecay(double r2) const {
@@ -135,15 +156,32 @@ double CellField::lampDecay(double r2) const {
     return m_lamp->point().decay ? 1 / std::max(r2, std::pow(m_lamp->point().radius, 2)) : 1;
 }
 
-// Turns the mean extinction on the way from the lamp to `ws` into light times r^2.
-void CellField::lampAt(const Vec3& ws, Real (&rgb)[3]) const {
-    double factor = lampFactor(ws);
+// The mean of the luminaire's profile over a path as meanDecay has it, weighted by 1/r^2: close to the lamp its
+// direction turns within a sheet. The weight is even in the angle under which the lamp sees the path.
+double CellField::meanProfile(const Vec3& way, const Vec3& path) const {
+    if (!m_lamp->luminaire) return 1;
+    const double t2 = glm::dot(path, path), r2 = glm::dot(way, way), t = std::sqrt(t2), d = glm::dot(way, path) / t;
+    const auto at = [&](const Vec3& v) {
+        return luminairePart(*m_lamp, m_lampFrame, v / std::max(glm::length(v), 1e-300));
+    };
+    if (r2 > 100 * t2) return at(way);  // to t^2 / (24 r^2) times the profile's curvature
+    const double b = std::max(std::sqrt(std::max(r2 - d * d, 0.0)), 1e-4 * m_grid->edge());
+    const double begin = std::atan((d - 0.5 * t) / b), end = std::atan((d + 0.5 * t) / b);
+    double sum = 0;
+    for (const auto& [u, w] : kFourPoints)
+        sum += w * at(way + (b * std::tan(begin + u * (end - begin)) - d) / t * path);
+    return sum;
+}
+
+// Turns the mean extinction on the way from the lamp to `ws` into light times r^2. `part`: the luminaire's.
+void CellField::lampAt(const Vec3& ws, double part, Real (&rgb)[3]) const {
+    double factor = part * lampFactor(ws);
     if (m_open) {
-        Real part[3];
-        m_open->sample(ws, part);
-        factor *= double(part[0]);
+        Real open[3];
+        m_open->sample(ws, open);
+        factor *= double(open[0]);
     }
-    const auto length = static_cast<Real>(wayFrom(*m_lamp, glm::distance(ws, m_lamp->wsPosition)) + m_beyond);
+    const auto length = static_cast<Real>(wayFrom(*m_lamp, glm::distance(ws, m_lamp->wsPosition)));
     Real arrives = 1;
     for (std::size_t c = 0; c < 3; ++c) {
         if (c < m_colours) arrives = std::exp(-rgb[c] * length);
@@ -186,10 +224,7 @@ double CellField::meanNearSphere(const Vec3& way, const Vec3& path, double extin
     const auto outside = [&](double nearest, double farthest) {
         if (farthest <= nearest) return 0.0;
         double sum = 0;
-        for (const auto& [u, weight] : {std::pair(0.0694318442, 0.1739274226),
-                                        {0.3300094782, 0.3260725774},
-                                        {0.6699905218, 0.3260725774},
-                                        {0.9305681558, 0.1739274226}}) {
+        for (const auto& [u, weight] : kFourPoints) {
             const double z = nearest + (farthest - nearest) * u * u, r2 = std::max(b2 + z * z, radius2);
             sum += 2 * u * weight * light(r2) / r2;
         }
@@ -201,10 +236,12 @@ double CellField::meanNearSphere(const Vec3& way, const Vec3& path, double extin
 }
 
 void CellField::sample(const Vec3& ws, Real (&rgb)[3]) const {
-    sampleAt(m_grid->csFromWs(ws) - 0.5, rgb);
+    std::pair<Int3, std::int32_t> last = kNoBlock;
+    sampleAt(m_grid->csFromWs(ws) - 0.5, last, rgb);
     if (m_lamp) {
-        lampAt(ws, rgb);
-        const double r = glm::distance(ws, m_lamp->wsPosition);
+        const Vec3 way = ws - m_lamp->wsPosition;
+        const double r = glm::length(way);
+        lampAt(ws, r > 0 ? luminairePart(*m_lamp, m_lampFrame, way / r) : 0, rgb);
         for (Real& c : rgb) c *= static_cast<Real>(nearShare(r) * lampDecay(r * r));
     }
     for (const auto& lamp : m_lamps) {
@@ -217,10 +254,11 @@ void CellField::sample(const Vec3& ws, Real (&rgb)[3]) const {
 namespace {
 
 // Interpolates between eight cells; `corner` has the first one's values.
-void mixAll(const Real* corner, std::size_t colours, const Vec3& fraction, Real (&rgb)[3]) {
+template <std::size_t colours>
+void mixAll(const Real* corner, const Vec3& fraction, Real (&rgb)[3]) {
     const Real fx = static_cast<Real>(fraction.x), fy = static_cast<Real>(fraction.y),
                fz = static_cast<Real>(fraction.z);
-    const std::size_t x = colours, y = kPaddedEdge * x, z = kPaddedEdge * y;
+    constexpr std::size_t x = colours, y = kPaddedEdge * x, z = kPaddedEdge * y;
     for (std::size_t c = 0; c < colours; ++c) {
         const Real* p = corner + c;
         const auto mix = [](Real a, Real b, Real t) { return a + t * (b - a); };
@@ -248,12 +286,13 @@ void mixSome(const Real* corner, std::size_t colours, const Vec3& fraction, unsi
 
 }  // namespace
 
-// `at` is relative to the centre of the first cell.
-void CellField::sampleAt(const Vec3& at, Real (&rgb)[3]) const {
-    const Vec3 low = glm::floor(at);
-    const Int3 cell(glm::clamp(low, Vec3(-1e9), Vec3(1e9)));
+// `at` is relative to the centre of the first cell. `last`: the block that was looked up last, and which stored one it
+// is; neighbouring samples are mostly in the same one.
+void CellField::sampleAt(const Vec3& at, std::pair<Int3, std::int32_t>& last, Real (&rgb)[3]) const {
+    const Int3 cell = wholeBelow(glm::clamp(at, -1e9, 1e9));
     const Int3 block(cell.x >> 3, cell.y >> 3, cell.z >> 3);
-    std::int32_t stored = m_grid->stored(block);
+    if (block != last.first) last = {block, m_grid->stored(block)};
+    std::int32_t stored = last.second;
     Int3 inside = cell - block * kCellEdge + 1;
     // If the cell's own block is not stored, the centres of border cells may lie in the border of a stored neighbour.
     for (int side = 1; side < 8 && stored < 0; ++side) {
@@ -264,14 +303,14 @@ void CellField::sampleAt(const Vec3& at, Real (&rgb)[3]) const {
     }
     for (Real& c : rgb) c = 0;
     if (stored < 0) return;
-    const Vec3 fraction = at - low;
+    const Vec3 fraction = at - Vec3(cell);
     const Real* corner =
         m_values.data() +
         (std::size_t(stored) * kPaddedCells + std::size_t(paddedOffset(inside.x, inside.y, inside.z))) * m_colours;
     const unsigned side =
         m_grid->hasWalls() ? m_grid->onSideOf(m_grid->wsFromCs(at + 0.5), std::size_t(stored), inside) : kAllSides;
     if (side == kAllSides)
-        mixAll(corner, m_colours, fraction, rgb);
+        m_colours == 1 ? mixAll<1>(corner, fraction, rgb) : mixAll<3>(corner, fraction, rgb);
     else
         mixSome(corner, m_colours, fraction, side, rgb);
     for (std::size_t c = 3; c-- > 0;) rgb[c] = rgb[m_colours == 1 ? 0 : c] * m_tint[c];
@@ -279,16 +318,22 @@ void CellField::sampleAt(const Vec3& at, Real (&rgb)[3]) const {
 
 namespace {
 
+// From this optical depth of a sheet on its halves count apart, since light that fades within it does so as an
+// exponential and not evenly.
+constexpr double kThick = 0.5;
+
 // The eye sees more of the nearer part of a sheet. Light that changes evenly along its path, of optical depth `tau`,
 // counts as it is at coth(tau / 2) / 2 - 1 / tau of the path before the middle.
 double nearerThanMiddle(double tau) {
-    return tau < 0.1 ? tau / 12 : 0.5 / std::tanh(0.5 * tau) - 1 / tau;
+    const double t2 = tau * tau;  // the series is exact to 1e-7
+    return tau < 1 ? tau / 12 * (1 - t2 / 60 * (1 - t2 / 42 * (1 - t2 / 40))) : 0.5 / std::tanh(0.5 * tau) - 1 / tau;
 }
 
 }  // namespace
 
 void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction,
                        Real* const rgb[3]) const {
+    std::pair<Int3, std::int32_t> last = kNoBlock;
     for (int k = 0; k < kTileSize; ++k) {
         Real found[3];
         for (int c = 0; c < 3; ++c) rgb[c][k] = 0;
@@ -300,8 +345,13 @@ void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, cons
         if (factor == 0) continue;
         const Vec3 path = plane.wsPerSheet + plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU +
                                                                double(samples.eyeB[k]) * plane.wsPerV);
-        const Vec3 ws = middle + plane.towardsEye * nearerThanMiddle(double(extinction[k]) * glm::length(path)) * path;
-        sampleAt(m_grid->csFromWs(ws) - 0.5, found);
+        const Vec3 ahead = plane.towardsEye * path;
+        const double tau = double(extinction[k]) * glm::length(path), half = 0.5 * tau;
+        const bool thick = tau > kThick;
+        const Vec3 center = thick ? middle + 0.25 * ahead : middle;
+        const Vec3 seen = (thick ? 0.5 * nearerThanMiddle(half) : nearerThanMiddle(tau)) * ahead;
+        sampleAt(m_grid->csFromWs(center + seen) - 0.5, last, found);
+        double part = 1;
         if (m_lamp) {
             constexpr double kNear = 4;
             const double radius = radiusOfSphere(*m_lamp);
@@ -309,7 +359,16 @@ void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, cons
                 factor *= static_cast<Real>(meanNearSphere(way, path, double(found[1])));
             else if (radius > 0 || m_lamp->point().decay)
                 factor *= static_cast<Real>(meanDecay(way, path));
-            lampAt(middle, found);
+            part = meanProfile(way, path);
+            lampAt(center, part, found);
+        }
+        if (thick) {
+            Real behind[3];
+            const Vec3 farther = center - 0.5 * ahead;
+            sampleAt(m_grid->csFromWs(farther + seen) - 0.5, last, behind);
+            if (m_lamp) lampAt(farther, part, behind);
+            const auto share = static_cast<Real>(1 / (1 + std::exp(half)));  // of what the eye sees of the sheet
+            for (int c = 0; c < 3; ++c) found[c] += share * (behind[c] - found[c]);
         }
         for (int c = 0; c < 3; ++c) rgb[c][k] = factor * found[c];
     }

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace scrim {
@@ -25,6 +26,8 @@ struct SamplePlane {
     double toTexels = 1;
     double towardsEye = 0;  ///< 1 if the next sheet is nearer to the eye, -1 if it is farther; 0: it does not matter
 };
+
+struct CellMedia;
 
 /// Light on cells: radiance towards the eye per unit of scattering coefficient, which equals that of an equivalent
 /// uniform environment. It is interpolated linearly between the centres of those cells that are on the same side of the
@@ -49,12 +52,18 @@ class CellField {
     /// What is kept is transmittance from `lamp`, a point light or a sphere; the phase function is towards the camera.
     /// `nearby`: only near the lamp, because cells that many lamps share keep the light of places far from it.
     void setLamp(const Light& lamp, const Phase& phase, const Camera& camera, bool nearby);
+    const Light& lamp() const { return *m_lamp; }  ///< after setLamp
     /// Makes it the mean extinction on the way from the lamp, which, unlike irradiance, transmittance and direction,
     /// changes slowly near a lamp. Look-ups compute the others from it, and the mean of 1/r^2 over the eye's path
-    /// through the sheet. `open`: the fraction of the light that passes solids; null: there are none.
-    void makeMean(std::shared_ptr<const CellField> open = nullptr);
+    /// through the sheet. `media`: through which the light of a sphere finds its way near its surface, where it comes
+    /// from so many sides that the lamp's points do not stand for it. `open`: the fraction of the light that passes
+    /// solids; null: there are none.
+    void makeMean(const CellMedia& media, std::shared_ptr<const CellField> open);
     /// The lamp's light at a point, with a transmittance of the way there, but for the part that is kept near the lamp.
     Rgb farLight(const Vec3& ws, double transmittance) const;
+    /// What farLight gives beyond `reach` (world units) without attenuation, times the square of the distance, if it
+    /// depends on no more than that; none: it does.
+    std::optional<Rgb> evenFarLight(double& reach) const;
     /// Look-ups also find what `lamp` keeps near it.
     void addNear(std::shared_ptr<const CellField> lamp) { m_lamps.push_back(std::move(lamp)); }
 
@@ -62,12 +71,17 @@ class CellField {
 
   private:
     double nearShare(double r) const;
+    template <class Visit>
+    void forCells(const Visit& visit);
+    double wayTo(const Int3& cell) const;
+    void keepNearSphere(const CellMedia& media, const Vec3& ws, Real* values) const;
     double lampFactor(const Vec3& ws) const;
     double lampDecay(double r2) const;
     void addNearLamps(const SamplePlane& plane, const SampleTile& samples, const Real* extinction,
                       Real* const rgb[3]) const;
-    void sampleAt(const Vec3& at, Real (&rgb)[3]) const;
-    void lampAt(const Vec3& ws, Real (&rgb)[3]) const;
+    void sampleAt(const Vec3& at, std::pair<Int3, std::int32_t>& last, Real (&rgb)[3]) const;
+    void lampAt(const Vec3& ws, double part, Real (&rgb)[3]) const;
+    double meanProfile(const Vec3& way, const Vec3& path) const;
     double meanDecay(const Vec3& way, const Vec3& path) const;
     double meanNearSphere(const Vec3& way, const Vec3& path, double extinction) const;
 
@@ -75,10 +89,11 @@ class CellField {
     std::size_t m_colours;
     Real m_tint[3];
     std::optional<Light> m_lamp;
+    Mat3 m_lampFrame{1.0};  // of its luminaire
     std::shared_ptr<const CellField> m_open;
-    double m_near = 0;    // of a lamp that shares cells: how far those of its own reach, world units; 0: it is alone
-    double m_beyond = 0;  // of a sphere that is hollow: what is added to all ways from it, world units
-    Phase m_phase;        // towards the camera, of a lamp's light
+    double m_near = 0;      // of a lamp that shares cells: how far those of its own reach, world units; 0: it is alone
+    bool m_hollow = false;  // the lamp is a sphere whose light begins at its surface
+    Phase m_phase;          // towards the camera, of a lamp's light
     Camera m_camera;
     std::vector<std::shared_ptr<const CellField>> m_lamps;  // of lamps that share this
     std::vector<Real> m_values;                             // [block][padded cell][colour]
@@ -90,9 +105,13 @@ bool hollowOnCells(const Light& lamp, double edge);
 /// The distance from a lamp from which on cells that many lamps share keep all of its light, world units.
 double nearestFar(const Light& lamp, double edge);
 
+/// The blocks of `all` in which such a lamp has cells of its own, one of which has a corner at `wsCorner`.
+std::shared_ptr<const CellGrid> cellsNear(const Light& lamp, const CellGrid& all, const Vec3& wsCorner);
+
 /// The light on cells that belongs to one output.
 struct CellLight {
     std::optional<Output> output;                            ///< none: the beauty
+    bool again = false;                                      ///< it has scattered before it arrives
     std::vector<std::shared_ptr<const CellField>> ofVolume;  ///< for each volume of the scene; null: none
 };
 

@@ -3,12 +3,14 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/solid/cubes_at.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,8 +20,7 @@
 namespace scrim {
 namespace {
 
-// The most blocks of the box; their numbers take 64 MB.
-constexpr double kMostBlocks = 1 << 24;
+constexpr double kMostBlocks = 1 << 24;  // of the box; their numbers take 64 MB
 // The largest distance from the world's origin, in blocks, so that cells can be counted with an int.
 constexpr double kFarthestBlock = 1 << 26;
 
@@ -28,33 +29,6 @@ int blockOf(int cell) {
 }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// Calls visit(cube) for those cubes of a lattice, `edge` wide, that a solid passes within `reach`. `range`: the box of
-// cubes that count, for each solid.
-template <class Range, class Visit>
-void forCubesAt(const Solids& solids, double edge, const Vec3& wsCorner, double reach, const Range& range,
-                const Visit& visit) {
-    for (const Solid& solid : solids.all()) {
-        if (!solid.has(SolidRole::shadow)) continue;
-        const auto [least, most] = range(solid);
-        for (const auto& triangle : solid.mesh->triangles) {
-            std::array<Vec3, 3> corner;
-            Bounds box;
-            for (std::size_t i = 0; i < 3; ++i) {
-                corner[i] = (transformPoint(solid.wsFromMesh, solid.mesh->points[triangle[i]]) - wsCorner) / edge;
-                box.include(corner[i]);
-            }
-            const Vec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-            const double slack = (0.5 + reach / edge) * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
-            const Int3 first = glm::max(Int3(glm::floor(glm::clamp(box.lower - reach / edge, -1e9, 1e9))), least);
-            const Int3 last = glm::min(Int3(glm::floor(glm::clamp(box.upper + reach / edge, -1e9, 1e9))), most);
-            for (int z = first.z; z <= last.z; ++z)
-                for (int y = first.y; y <= last.y; ++y)
-                    for (int x = first.x; x <= last.x; ++x)
-                        if (std::abs(glm::dot(normal, Vec3(x, y, z) + 0.5 - corner[0])) <= slack) visit(Int3(x, y, z));
-        }
-    }
-}
 
 // Ways from one cell to the next one, beside the straight one, lead over these places of their cross-sections.
 constexpr int kWays = 4;
@@ -80,6 +54,13 @@ double stairs(const Vec3& normal) {
     return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
 }
 
+// A side while its walls are measured: its number, and in faces what is closed and the surface of the wall there.
+struct FoundSide {
+    std::size_t number;
+    Rgb albedo;
+    double closed, faces;
+};
+
 }  // namespace
 
 CellGrid::CellGrid(double edge, const std::vector<Bounds>& wsBoxes, const Vec3& wsCorner)
@@ -93,7 +74,7 @@ CellGrid::CellGrid(double edge, const std::vector<Bounds>& wsBoxes, const Vec3& 
     const Vec3 first = glm::floor(all.lower / blockEdge), last = glm::floor(all.upper / blockEdge);
     const Vec3 size = last - first + 1.0;
     const Vec3 farthest = glm::max(glm::abs(first), glm::abs(last));
-    if (!(size.x * size.y * size.z <= kMostBlocks) || std::max({farthest.x, farthest.y, farthest.z}) > kFarthestBlock)
+    if (!(size.x * size.y * size.z <= kMostBlocks) || largest(farthest) > kFarthestBlock)
         throw Error(ErrorKind::memory, fmt::format("cells of {:.4g} world units for scattered light make {:.3g} x "
                                                    "{:.3g} x {:.3g} blocks, which is too many; raise scatter_cell",
                                                    edge, size.x, size.y, size.z));
@@ -258,11 +239,11 @@ std::vector<std::pair<Vec3, SolidHit>> CellGrid::hitsOfFace(const Int3& cell, in
 void CellGrid::findSides() {
     m_sides.clear();
     m_albedos.clear();
+    m_firsts.clear();
     m_sideAt.clear();
-    const auto& all = m_solids->all();
-    if (std::none_of(all.begin(), all.end(), [](const Solid& s) { return s.sendsBack(); })) return;
+    if (std::ranges::none_of(m_solids->all(), [](const Solid& s) { return s.sendsBack(); })) return;
     m_sideAt.assign(m_open.size() / (3 * kPaddedCells) * 6 * kBlockCells, -1);
-    std::vector<std::vector<std::pair<std::size_t, Rgb>>> found(m_places.size());
+    std::vector<std::vector<FoundSide>> found(m_places.size());
     parallelFor(m_places.size(), [&](std::size_t b) {
         if (m_walled[b] < 0) return;
         for (std::size_t i = 0; i < 6 * kBlockCells; ++i) {
@@ -271,23 +252,83 @@ void CellGrid::findSides() {
             const Int3 at = place(cell), upper = at - m_places[b] * kCellEdge + 1 + along(face / 2) * (face % 2);
             const int isOpen = open(m_walled[b], face / 2)[paddedOffset(upper.x, upper.y, upper.z)];
             if (isOpen == kAllOpen) continue;
-            Rgb albedo(0);
+            FoundSide side{6 * cell + i % 6, Rgb(0), 1 - double(isOpen) / kAllOpen, 0};
             const auto hits = hitsOfFace(at, face);
             for (const auto& [ws, hit] : hits) {
                 const Rgb own = hit.solid->albedo;
                 const double k = stairs(hit.wsNormal);
-                albedo += own * k / (1.0 + own * (k - 1)) / double(hits.size());
+                side.albedo += own * k / (1.0 + own * (k - 1)) / double(hits.size());
+                side.faces += side.closed / (k * double(hits.size()));
             }
-            if (albedo != Rgb(0)) found[b].emplace_back(6 * cell + i % 6, albedo * (1 - double(isOpen) / kAllOpen));
+            if (side.albedo != Rgb(0)) found[b].push_back(side);
         }
     });
-    for (std::size_t b = 0; b < found.size(); ++b)
-        for (const auto& [side, albedo] : found[b]) {
-            const std::size_t at = (std::size_t(m_walled[b]) * 6 + side % 6) * kBlockCells + side / 6 % kBlockCells;
-            m_sideAt[at] = static_cast<std::int32_t>(m_sides.size());
-            m_sides.push_back(side);
-            m_albedos.push_back(albedo);
+    std::vector<FoundSide> sides;
+    for (const auto& ofBlock : found)
+        for (const FoundSide& side : ofBlock) {
+            const std::size_t cell = side.number / 6;
+            m_sideAt[(std::size_t(m_walled[cell / kBlockCells]) * 6 + side.number % 6) * kBlockCells +
+                     cell % kBlockCells] = static_cast<std::int32_t>(m_sides.size());
+            m_sides.push_back(sides.emplace_back(side).number);
         }
+    const std::vector<double> areas = areasOfSides();
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+        const double ratio = areas[i] / std::max(sides[i].faces, 1e-3);
+        m_firsts.push_back(sides[i].closed * ratio * sides[i].albedo);
+        m_albedos.push_back(sides[i].closed * glm::max(1.0 - ratio * (1.0 - sides[i].albedo), Rgb(0)));
+    }
+}
+
+// The side that stands for a wall just behind a point; -1: none is near.
+std::int32_t CellGrid::sideFor(const Vec3& ws) const {
+    const Vec3 cs = csFromWs(ws);
+    std::vector<std::tuple<double, std::int32_t, Int3>> all;
+    for (int i = 0; i < 27; ++i) {
+        const Int3 at = Int3(glm::floor(cs)) + Int3(i % 3, i / 3 % 3, i / 9) - 1;
+        const std::ptrdiff_t cell = index(at);
+        const std::int32_t block = cell < 0 ? -1 : m_walled[std::size_t(cell) / kBlockCells];
+        for (int face = 0; block >= 0 && face < 6; ++face)
+            if (const std::int32_t side = sidesAt(block, face)[std::size_t(cell) % kBlockCells]; side >= 0) {
+                const Vec3 centre = Vec3(at) + 0.5 + (face % 2 == 1 ? 0.5 : -0.5) * Vec3(along(face / 2));
+                all.emplace_back(glm::distance(cs, centre), side, at);
+            }
+    }
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return get<0>(a) < get<0>(b); });
+    for (const auto& [distance, side, at] : all)
+        if (sees(ws, wsInside(at))) return side;
+    return -1;
+}
+
+// The surface, in faces, of the walls that each side stands for: every piece of a wall counts for the nearest side that
+// sees it. Lines along the axes meet the pieces, each of them those that face its axis most.
+std::vector<double> CellGrid::areasOfSides() const {
+    constexpr int kLines = 4;  // through a cell along each axis
+    const std::vector<bool> near = nearWalls();
+    std::vector<std::vector<std::pair<std::int32_t, double>>> found(m_places.size());
+    parallelFor(m_places.size(), [&](std::size_t b) {
+        for (int i = 0; i < 3 * kLines * kBlockCells; ++i) {
+            const std::size_t cell = b * kBlockCells + std::size_t(i / (3 * kLines));
+            const int axis = i / kLines % 3;
+            if (!near[cell]) continue;
+            const Vec3 way = m_edge * Vec3(along(axis));
+            const Vec3 from =  // a quarter of an edge from the middle
+                wsInside(place(cell)) + 2 * m_edge * across(axis, 1 + i % 2, 1 + i / 2 % 2) - 0.5 * way;
+            for (double t = 0; t < 1; t += 1e-4) {
+                const SolidHit hit = m_solids->trace(SolidRole::shadow, from, way, t, 1);
+                t = hit.t;
+                if (t > 1) break;
+                const Vec3 normal = glm::normalize(hit.wsNormal), facing = glm::abs(normal);
+                if (facing[axis] < largest(facing)) continue;
+                for (const double beside : {0.01, -0.01})
+                    if (const std::int32_t side = sideFor(from + t * way + beside * m_edge * normal); side >= 0)
+                        found[b].emplace_back(side, 1 / (kLines * facing[axis]));
+            }
+        }
+    });
+    std::vector<double> areas(m_sides.size(), 0.0);
+    for (const auto& ofBlock : found)
+        for (const auto& [side, area] : ofBlock) areas[std::size_t(side)] += area;
+    return areas;
 }
 
 std::vector<std::pair<Vec3, Vec3>> CellGrid::pointsOfSide(std::size_t side) const {
@@ -353,7 +394,7 @@ std::vector<Real> CellGrid::means(const std::vector<Real>& row, const CellGrid& 
 std::size_t CellGrid::bytes() const {
     return m_stored.size() * sizeof(std::int32_t) + m_places.size() * sizeof(Int3) +
            (m_walled.size() + m_sideAt.size()) * sizeof(std::int32_t) + m_open.size() +
-           m_sides.size() * (sizeof(std::size_t) + sizeof(Rgb));
+           m_sides.size() * (sizeof(std::size_t) + 2 * sizeof(Rgb));
 }
 
 }  // namespace scrim

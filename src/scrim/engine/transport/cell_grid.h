@@ -106,10 +106,13 @@ class CellGrid {
         return m_sideAt.data() + (std::size_t(walled) * 6 + std::size_t(face)) * kBlockCells;
     }
     /// The part of the light on the whole face of a side that is sent back. Stairs have more surface than the wall they
-    /// stand for, and light that they send to each other is lost again: their albedo makes up for that.
+    /// stand for, and light that they send to each other is lost again: their albedo makes up for that. So it does for
+    /// the surface of walls beyond the face, in corners of rooms: the face absorbs as much light as they would.
     const Rgb& albedoOfSide(std::size_t side) const { return m_albedos[side]; }
-    /// Points of the solid that a side stands for, each with the normal towards the cell: irradiance times the sum of
-    /// their cosines, times albedoOfSide / pi, is the radiance that comes from the whole face.
+    /// Likewise of light that comes straight from lights: irradiance times the sum of the cosines of pointsOfSide,
+    /// times this / pi, is the radiance that comes from the whole face.
+    const Rgb& firstOfSide(std::size_t side) const { return m_firsts[side]; }
+    /// Points of the solid that a side stands for, each with the normal towards the cell.
     std::vector<std::pair<Vec3, Vec3>> pointsOfSide(std::size_t side) const;
 
     std::size_t bytes() const;
@@ -124,6 +127,8 @@ class CellGrid {
     std::vector<bool> nearWalls() const;
     std::uint8_t openFace(const Int3& upper, int axis) const;
     void findSides();
+    std::int32_t sideFor(const Vec3& ws) const;
+    std::vector<double> areasOfSides() const;
     std::vector<std::pair<Vec3, SolidHit>> hitsOfFace(const Int3& cell, int face) const;
 
     double m_edge = 1;
@@ -138,7 +143,7 @@ class CellGrid {
     std::vector<std::uint8_t> m_open;    // [block with walls][axis][padded cell]
     std::vector<std::int32_t> m_sideAt;  // [block with walls][face][cell]; empty: no wall sends light back
     std::vector<std::size_t> m_sides;    // 6 cell + face
-    std::vector<Rgb> m_albedos;
+    std::vector<Rgb> m_albedos, m_firsts;
 };
 
 }  // namespace scrim

@@ -14,28 +14,17 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/transport/cell_media.cpp"
+#include <hwy/foreach_target.h>
+#include <scrim/engine/transport/cell_media-inl.h>
+
+#if HWY_ONCE
 namespace scrim {
+
+HWY_EXPORT(spreadBlock);
+
 namespace {
-
-// A field that is deposited into cells, and the factors on a voxel's value for each destination row.
-struct Deposit {
-    const SparseField* field;
-    Mat4 wsFromIs;
-    const ViewVolume* classified = nullptr;  // if set, its extinction is deposited instead of the field's value
-    struct Share {
-        std::vector<Real>* row;
-        double factor;
-    };
-    std::vector<Share> shares;
-    bool tents = false;  // voxels are tents, as they are interpolated, and not cubes
-};
-
-// Half the edges of the box along the world's axes around a voxel.
-Vec3 halfVoxel(const Mat4& wsFromIs) {
-    Vec3 half(0);
-    for (int axis = 0; axis < 3; ++axis) half += 0.5 * glm::abs(Vec3(wsFromIs[axis]));
-    return half;
-}
 
 // Distributes a box of space over the cells that it meets.
 class BoxDeposit {
@@ -47,14 +36,32 @@ class BoxDeposit {
             m_optics.emplace(*deposit.classified, Kernel::linear, m_samplers);
     }
 
+    // The voxels of a block of a field whose axes are those of the world.
+    void addBlock(std::size_t block, const Vec3& wsHalf, Simd simd) const {
+        const SparseField& field = *m_deposit.field;
+        const Vec3 first = m_grid.csFromWs(transformPoint(m_deposit.wsFromIs, Vec3(field.blockOrigins[block])));
+        const Vec3 half = wsHalf / m_grid.edge();
+        const auto along = [&](int a) {
+            return EdgeParts(first[a], m_deposit.wsFromIs[a][a] / m_grid.edge(), half[a], m_deposit.tents);
+        };
+        const std::array<EdgeParts, 3> parts{along(0), along(1), along(2)};
+        std::vector<Real> cells;
+        SCRIM_ON_TARGET(simd, spreadBlock)(field.block(block), parts, cells);
+        const double edge = m_grid.edge(), voxel = m_voxelVolume / (edge * edge * edge);
+        forCells(m_grid, parts, cells, [&](std::size_t cell, Real sum) {
+            for (const Deposit::Share& share : m_deposit.shares)
+                (*share.row)[cell] += static_cast<Real>(share.factor * voxel * double(sum));
+        });
+    }
+
     // `voxels`: the volume of the box, in voxels.
     void add(const Vec3& wsCenter, const Vec3& wsHalf, double voxels, double value) const {
         if (m_deposit.classified) value = extinctionOf(*m_deposit.classified, wsCenter, wsHalf, value);
         if (value == 0) return;
         const Vec3 center = m_grid.csFromWs(wsCenter), half = wsHalf / m_grid.edge();
-        const std::array<Span, 3> spans{Span(center.x, half.x, m_deposit.tents),
-                                        {center.y, half.y, m_deposit.tents},
-                                        {center.z, half.z, m_deposit.tents}};
+        const std::array<CellParts, 3> spans{CellParts(center.x, half.x, m_deposit.tents),
+                                             {center.y, half.y, m_deposit.tents},
+                                             {center.z, half.z, m_deposit.tents}};
         const double edge = m_grid.edge();
         const double amount = value * voxels * m_voxelVolume / (edge * edge * edge);
         for (int z = 0; z < spans[2].count; ++z)
@@ -79,25 +86,6 @@ class BoxDeposit {
         return extinction * partIn(volume.wsClip, wsCenter, {edges.x, 0, 0, 0, edges.y, 0, 0, 0, edges.z});
     }
 
-    // The cells that an interval meets, and the fraction of it in each of them; of a tent, twice as wide, its values in
-    // the middle of cells.
-    struct Span {
-        int first, count;
-        double center, half;
-        bool tent;
-
-        Span(double middle, double halfEdge, bool isTent) : center(middle), half(halfEdge), tent(isTent) {
-            const double reach = tent ? 2 * half : half;
-            first = static_cast<int>(std::floor(center - reach));
-            count = static_cast<int>(std::floor(center + reach)) - first + 1;
-        }
-        double part(int i) const {
-            const double begin = first + i - center;
-            if (tent) return std::max(0.0, 1 - 0.5 * std::abs(begin + 0.5) / half) / (2 * half);
-            return std::max(0.0, std::min(half, begin + 1) - std::max(-half, begin)) / (2 * half);
-        }
-    };
-
     const CellGrid& m_grid;
     const Deposit& m_deposit;
     double m_voxelVolume;
@@ -120,7 +108,7 @@ void depositBlock(const BoxDeposit& into, const Deposit& deposit, std::size_t bl
 void depositTile(const CellGrid& grid, const BoxDeposit& into, const Deposit& deposit, const ConstantTile& tile,
                  const Vec3& half) {
     int edge = 1;
-    while (edge < kBlockEdge && 4 * edge * std::max({half.x, half.y, half.z}) <= grid.edge()) edge *= 2;
+    while (edge < kBlockEdge && 4 * edge * largest(half) <= grid.edge()) edge *= 2;
     for (int x = 0; x < tile.edge; x += edge)
         for (int y = 0; y < tile.edge; y += edge)
             for (int z = 0; z < tile.edge; z += edge)
@@ -131,13 +119,18 @@ void depositTile(const CellGrid& grid, const BoxDeposit& into, const Deposit& de
 // Deposits a field. Every block contributes to the cells around it. If cells are smaller than blocks, two blocks that
 // are not neighbours share no cells, so every other block can be processed in parallel, in eight rounds. The sums do
 // not depend on the thread that adds them.
-void add(const CellGrid& grid, const Deposit& deposit) {
+void add(const CellGrid& grid, const Deposit& deposit, Simd simd) {
     const SparseField& field = *deposit.field;
     const Vec3 half = halfVoxel(deposit.wsFromIs);
     const BoxDeposit into(grid, deposit);
     double least = 1e300;
     for (int axis = 0; axis < 3; ++axis) least = std::min(least, glm::length(Vec3(deposit.wsFromIs[axis])));
     const bool apart = least * (kBlockEdge - 2) > 2 * std::sqrt(3.0) * grid.edge();
+    const Mat3 axes(deposit.wsFromIs);
+    const bool straight = !deposit.classified && axes == Mat3(axes[0].x, 0, 0, 0, axes[1].y, 0, 0, 0, axes[2].z);
+    const auto addBlock = [&](std::size_t block) {
+        straight ? into.addBlock(block, half, simd) : depositBlock(into, deposit, block, half);
+    };
     std::array<std::vector<std::size_t>, 8> rounds;
     for (std::size_t b = 0; b < field.blockCount(); ++b) {
         const Int3 at = field.blockOrigins[b] / kBlockEdge;
@@ -145,9 +138,9 @@ void add(const CellGrid& grid, const Deposit& deposit) {
     }
     for (const std::vector<std::size_t>& round : rounds) {
         if (apart)
-            parallelFor(round.size(), [&](std::size_t i) { depositBlock(into, deposit, round[i], half); });
+            parallelFor(round.size(), [&](std::size_t i) { addBlock(round[i]); });
         else
-            for (const std::size_t block : round) depositBlock(into, deposit, block, half);
+            std::for_each(round.begin(), round.end(), addBlock);
     }
     for (const ConstantTile& tile : field.tiles) depositTile(grid, into, deposit, tile, half);
 }
@@ -158,33 +151,33 @@ void addShares(std::vector<std::vector<Real>>& rows, const Rgb& factor, Deposit&
 }
 
 // Adds a volume's extinction, and its scattering to `scattering` if it scatters. `margin`: as in cellMedia.
-void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<std::vector<Real>>* scattering, double margin) {
+void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<std::vector<Real>>* scattering, double margin,
+               Simd simd) {
     if (volume.field->empty()) return;
     const Medium& medium = volume.medium;
     Deposit density{volume.field.get(), volume.wsFromIs, volume.classified ? &volume : nullptr, {}};
     const Rgb extinction = volume.classified ? Rgb(1) : medium.densityScale * medium.extinctionTint;
     const Vec3 voxel = 2.0 * halfVoxel(volume.wsFromIs);
-    density.tents = std::min({voxel.x, voxel.y, voxel.z}) > 1.01 * media.grid.edge() &&
-                    std::max({voxel.x, voxel.y, voxel.z}) <= margin && !volume.classified;
+    density.tents = std::min({voxel.x, voxel.y, voxel.z}) > 1.01 * media.grid.edge() && largest(voxel) <= margin &&
+                    !volume.classified;
     addShares(media.extinction, extinction, density);
     if (scattering && volume.scatter.empty()) addShares(*scattering, extinction * medium.albedo, density);
-    add(media.grid, density);
+    add(media.grid, density, simd);
     if (!scattering) return;
     for (std::size_t c = 0; c < volume.scatter.size(); ++c) {
         const ViewField& field = volume.scatter[c];
         if (field.field->empty()) continue;
-        add(media.grid, {field.field.get(), field.wsFromIs, nullptr, {{&(*scattering)[c], extinction[int(c)]}}});
+        add(media.grid, {field.field.get(), field.wsFromIs, nullptr, {{&(*scattering)[c], extinction[int(c)]}}}, simd);
     }
 }
 
 // Subtracts the light that scatters straight on from extinction and scattering.
 void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes) {
-    if (std::all_of(classes.begin(), classes.end(), [](const ScatterClass& c) { return c.split.straight() == 0; }))
-        return;
+    if (std::all_of(classes.begin(), classes.end(), [](const ScatterClass& c) { return c.straight() == 0; })) return;
     for (std::size_t c = 0; c < std::max(media.extinction.size(), media.scattering.front().size()); ++c) {
         std::vector<Real>& straight = media.straight.emplace_back(media.grid.cells(), Real(0));
         for (std::size_t k = 0; k < classes.size(); ++k) {
-            const auto part = static_cast<Real>(classes[k].split.straight());
+            const auto part = static_cast<Real>(classes[k].straight());
             const std::vector<Real>& scattering = media.scatteringOf(k, c);
             for (std::size_t cell = 0; cell < straight.size(); ++cell) straight[cell] += part * scattering[cell];
         }
@@ -195,7 +188,7 @@ void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes) {
             media.extinction[c][cell] = std::max(media.extinction[c][cell] - media.straight[c][cell], Real(0));
     for (std::size_t k = 0; k < classes.size(); ++k)
         for (std::vector<Real>& row : media.scattering[k])
-            for (Real& value : row) value *= static_cast<Real>(1 - classes[k].split.straight());
+            for (Real& value : row) value *= static_cast<Real>(1 - classes[k].straight());
 }
 
 }  // namespace
@@ -217,10 +210,15 @@ std::vector<std::vector<int>> alikeVolumes(const ViewScene& scene,
 
 std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates) {
     std::vector<ScatterClass> classes;
-    for (std::vector<int>& volumes : alikeVolumes(scene, scattersFully)) {
-        const ViewVolume& first = scene.volumes[std::size_t(volumes.front())];
-        classes.push_back({first.medium.phase, {first.medium.phase, ordinates}, first.lights, std::move(volumes)});
-    }
+    const auto add = [&](bool once, const std::function<bool(const ViewVolume&)>& wanted) {
+        for (std::vector<int>& volumes : alikeVolumes(scene, wanted)) {
+            const ViewVolume& first = scene.volumes[std::size_t(volumes.front())];
+            const Phase& phase = first.medium.phase;
+            classes.push_back({phase, once, {phase, ordinates}, first.lights, std::move(volumes)});
+        }
+    };
+    add(false, scattersFully);
+    if (!classes.empty()) add(true, scattersOnce);
     return classes;
 }
 
@@ -246,16 +244,15 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin) {
     return boxes;
 }
 
-CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, const Vec3& wsCorner,
-                    double margin, bool walls) {
+CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
+                    const Vec3& wsCorner, double margin, bool walls) {
     CellMedia media;
     std::vector<Bounds> boxes = cellBoxes(scene, std::max(edge, margin));
     walls = walls && !boxes.empty() && solidsBlock(scene);
     if (walls) {
         Bounds all;
         for (const Bounds& box : boxes) all.include(box);
-        const Vec3 size = all.size();
-        const double reach = 0.5 * std::max({size.x, size.y, size.z});
+        const double reach = 0.5 * largest(all.size());
         const std::vector<Bounds> more =
             CellGrid::boxesOfWalls(*scene.solids, edge, all, {all.lower - reach, all.upper + reach});
         boxes.insert(boxes.end(), more.begin(), more.end());
@@ -272,13 +269,13 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
         for (std::size_t k = 0; k < classes.size(); ++k)
             if (std::count(classes[k].volumes.begin(), classes[k].volumes.end(), static_cast<int>(v)))
                 scattering = &media.scattering[k];
-        addVolume(media, scene.volumes[v], scattering, margin);
+        addVolume(media, scene.volumes[v], scattering, margin, simd);
         for (const ViewEmission& emission : scene.volumes[v].emission) {
             if (media.emission.empty()) media.emission = rows(false);
             if (emission.field.field->empty()) continue;
             Deposit glow{emission.field.field.get(), emission.field.wsFromIs, nullptr, {}};
             addShares(media.emission, emission.color, glow);
-            add(media.grid, glow);
+            add(media.grid, glow, simd);
         }
     }
     goStraight(media, classes);
@@ -394,3 +391,4 @@ void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& co
 }
 
 }  // namespace scrim
+#endif

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/real.h>
+#include <scrim/base/simd.h>
 #include <scrim/engine/transport/cell_grid.h>
 #include <scrim/engine/transport/ordinates.h>
 #include <scrim/scene/view_scene.h>
@@ -15,11 +16,17 @@ namespace scrim {
 /// Volumes that scatter light in the same way and are lit by the same lights.
 struct ScatterClass {
     Phase phase;
+    /// Light scatters once in these volumes, whose medium is not scattersFully: on its way between lights, volumes that
+    /// scatter fully, and the eye.
+    bool once = false;
     SplitPhase split;          ///< of `phase`
     std::vector<bool> lights;  ///< for each light of the scene, whether it lights these volumes; empty: all do
     std::vector<int> volumes;  ///< indices into ViewScene::volumes
 
     bool litBy(std::size_t light) const { return scrim::litBy(lights, light); }
+    /// The moments by which a solve scatters, and the part of the scattering that counts as none.
+    const std::vector<double>& solved() const { return once ? split.whole() : split.spread(); }
+    double straight() const { return once ? 0 : split.straight(); }
 };
 
 /// Indices of those volumes that `wanted` holds for, by class: those of one scatter in the same way and are lit by the
@@ -27,7 +34,8 @@ struct ScatterClass {
 std::vector<std::vector<int>> alikeVolumes(const ViewScene& scene,
                                            const std::function<bool(const ViewVolume&)>& wanted);
 
-/// The classes of the volumes whose medium scatters more than once, for a solve with `ordinates` directions.
+/// The classes of the volumes whose medium scatters more than once, for a solve with `ordinates` directions, and after
+/// them those of all other media, if there are any of the first.
 std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates);
 
 /// Rows of values, one value for each cell of `grid`, per world unit. Light that scatters straight on counts as not
@@ -64,7 +72,7 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin);
 /// Throws Error(memory) as CellGrid does. A cell has a corner at `wsCorner`. Cells reach `margin` world units beyond
 /// the blocks of voxels, and at least one edge. With `walls`, solids that stop light stand in the grid, whose cells
 /// then also reach those that send light back, up to half of the volumes' size beyond these.
-CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge,
+CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
                     const Vec3& wsCorner = Vec3(0), double margin = 0, bool walls = false);
 
 /// The media in cells twice as large: means over 2^3 cells each.

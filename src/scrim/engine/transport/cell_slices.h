@@ -10,13 +10,15 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 namespace scrim {
 
-/// Elements behind each row that vectors may read or add zeros to.
-inline constexpr int kRowSlack = 16;
+/// Elements behind each row that vectors may read or write.
+inline constexpr int kRowSlack = 8;
 
 struct CellSpan {
     int begin = 0, end = 0;
@@ -29,25 +31,27 @@ struct CellSpan {
 
 /// A box of cells as slices; within a slice there are rows along `i`, one beside the other along `j`. Coordinates are
 /// in cells from the corner of the box, which is one cell larger on each side than the grid's stored blocks, because
-/// light is looked up between the centres of cells.
+/// light is looked up between the centres of cells. Rows keep only those cells that are used.
 class CellSlices {
   public:
-    std::array<int, 3> axes{};              ///< the axes of the world along which i, j and the slices run
-    std::array<int, 3> size{};              ///< in cells: along i, along j, number of slices
-    std::vector<Real> extinction;           ///< per cell edge; rows and slices have a zero cell around them
-    std::vector<CellSpan> full;             ///< for each row, likewise padded: where there is extinction
-    std::vector<CellSpan> wanted;           ///< for each row, not padded: cells whose light is looked up
-    std::array<std::vector<Real>, 3> sums;  ///< the result: light in each cell, not padded but for the slack
+    std::array<int, 3> axes{};     ///< the axes of the world along which i, j and the slices run
+    std::array<int, 3> size{};     ///< in cells: along i, along j, number of slices
+    std::vector<CellSpan> full;    ///< for each row, with an empty one around each slice: where there is extinction
+    std::vector<CellSpan> wanted;  ///< for each row, without those around: cells whose light is looked up
 
     /// `grid` must outlive this object.
-    CellSlices(const CellGrid& grid, int axis);
+    explicit CellSlices(const CellGrid& grid) : m_grid(grid) {}
+    /// Lays slices along an axis of the world, without extinction; must be called first. Memory is used again.
+    void layAlong(int axis);
 
-    std::size_t stride() const { return std::size_t(size[0] + 2 + kRowSlack); }
     std::size_t paddedRow(int j, int k) const { return std::size_t(k) * std::size_t(size[1] + 2) + std::size_t(j + 1); }
-    /// The extinction of row j of slice k from i = 0 on; -1 is also valid, and so is i = -1.
-    const Real* row(int j, int k) const { return extinction.data() + paddedRow(j, k) * stride() + 1; }
-    std::size_t sumStride() const { return std::size_t(size[0] + kRowSlack); }
     std::size_t rowIndex(int j, int k) const { return std::size_t(k) * std::size_t(size[1]) + std::size_t(j); }
+    /// The extinction, per cell edge, of row j of slice k, as from i = 0 on. It may be read where a row is wanted, or
+    /// this one or one beside it is full, and from one cell before that to kRowSlack behind. It is 0 beyond the box.
+    const Real* row(int j, int k) const { return m_extinction.data() + m_rowAt[paddedRow(j, k)]; }
+    /// The result: the light of one colour in row j of slice k, as from i = 0 on. Only where the row is wanted; up to
+    /// kRowSlack cells behind that may be written.
+    Real* sums(std::size_t colour, int j, int k) { return m_sums[colour].data() + m_sumAt[rowIndex(j, k)]; }
 
     /// A world vector's components in the order of i, j and slices.
     Vec3 reordered(const Vec3& ws) const { return {ws[axes[0]], ws[axes[1]], ws[axes[2]]}; }
@@ -55,11 +59,17 @@ class CellSlices {
     Vec3 place(const Vec3& ws) const { return reordered(m_grid.csFromWs(ws) + 1.0); }
     Vec3 wsPlace(const Vec3& at) const;
 
+    /// What the luminaire of a light sends along the unit vector w of these axes, relative to its intensity:
+    /// even + linear . w + w . quadratic w, or nothing where that is below 0. It is what spherical harmonics up to the
+    /// second order have of the profile, scaled so that towards the corners of `wsVolumes` its mean is the profile's.
+    std::tuple<double, Vec3, Mat3> seriesOf(const Light& light, const Bounds& wsVolumes) const;
+
     /// Takes the grid's extinction, per world unit. Light is wanted up to `reach` cells from where there is any.
     void fill(const std::vector<Real>& perWorldUnit, int reach);
-    /// Takes out the extinction within a sphere, so that rays from within begin at its surface. Returns which elements
-    /// to restore.
+    /// Takes out the extinction within a sphere, so that rays from within begin at its surface. Returns what `restore`
+    /// needs to undo it.
     std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius);
+    void restore(const std::vector<std::pair<std::size_t, Real>>& before);
     void clearSums(std::size_t colours);
     /// Takes from the sums what linear interpolation adds in the mean: between the centres of cells, which is a twelfth
     /// of the second differences, and in a slice from rays to cells. No sum exceeds those beside it by that. Cells
@@ -74,11 +84,33 @@ class CellSlices {
 
   private:
     void findWanted(int reach);
-    // Calls visit(ws, index into sums, values of the field) for all cells of the field, in parallel.
+    void keepRows();
+    // Calls visit(cell of the field's grid, light of the row from that cell on, values of the field) for all wanted
+    // cells of the blocks whose centre, in cells of that grid, `wantsBlock`, in parallel.
+    template <class Visit, class Wanted>
+    void visitCells(CellField& field, const Visit& visit, const Wanted& wantsBlock) const;
+    // Calls visit(row, i of its first cell, index of that cell in the grid's values, and its step) for all rows of
+    // cells in stored blocks.
     template <class Visit>
-    void visitCells(CellField& field, const Visit& visit) const;
+    void visitRows(const Visit& visit) const;
 
     const CellGrid& m_grid;
+    std::vector<Real> m_extinction;
+    std::vector<CellSpan> m_kept;  // for each row, as `full` has them: cells whose extinction is kept
+    // For each row the element of its cell 0, which need not be kept.
+    std::vector<std::size_t> m_rowAt, m_sumAt;
+    std::vector<std::size_t> m_sliceAt;  // for each slice, and behind the last: its first element of the sums
+    std::array<std::vector<Real>, 3> m_sums;
 };
+
+/// Optical depths from this on are those of no light that could be seen.
+inline constexpr double kDarkDepth = 60;
+/// The least way that a mean extinction is for, in cells.
+inline constexpr double kLeastWay = 1e-3;
+
+/// Takes from the mean extinctions of a field, each on the way of `wayTo` to a cell, what linear interpolation and
+/// cells add in the mean: a twelfth of the second differences each, the latter because extinction is the mean over a
+/// cell, and again over cells beside a ray. Neighbours that are dark, or have no way, do not count.
+void sharpenMeans(CellField& field, const std::function<double(const Int3& cell)>& wayTo);
 
 }  // namespace scrim

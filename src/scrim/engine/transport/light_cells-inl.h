@@ -17,6 +17,8 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <optional>
+#include <tuple>
 #include <vector>
 
 namespace scrim {
@@ -27,10 +29,12 @@ struct CellRays {
     Vec3 way{0, 0, 1};                   ///< parallel: direction of travel, unit; otherwise the normal of an element
     Vec3 from{0};                        ///< the place of a source that is not parallel
     double radius2 = 0, decayScale = 0;  ///< irradiance is weight / max(r2, radius2) * decayScale; 0: no decay
+    bool lamp = false;                   ///< a point of a lamp, of which only the transmittance is asked
     bool oneSided = false;               ///< an element: irradiance has the cosine to its normal as factor
-    double spreadTangent = 0, spreadScale = 0;  ///< of an element (see Spread); scale 0: none
-    bool attenuated = true;                     ///< false: only surfaces hold the light back
-    bool blocked = false;                       ///< surfaces hold the light back
+    double spreadTangent = 0, spreadScale = 0;                   ///< of an element (see Spread); scale 0: none
+    std::optional<std::tuple<double, Vec3, Mat3>> pattern = {};  ///< of a part of a mesh: CellSlices::seriesOf
+    bool attenuated = true;                                      ///< false: only surfaces hold the light back
+    bool blocked = false;                                        ///< surfaces hold the light back
     Real weight[3] = {0, 0, 0};
 };
 
@@ -64,25 +68,8 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-using DC = hn::CappedTag<Real, 8>;
-using VC = hn::Vec<DC>;
-
-HWY_ATTR HWY_INLINE VC value8(double v) {
-    return hn::Set(DC(), static_cast<Real>(v));
-}
-
-/// i, i + 1, ... of a vector that begins at `first`.
-HWY_ATTR HWY_INLINE VC counted(int first) {
-    return hn::Iota(DC(), static_cast<Real>(first));
-}
-
-HWY_ATTR HWY_INLINE VC bilinear(VC a0, VC a1, VC b0, VC b1, VC fx, VC fy) {
-    const VC first = hn::MulAdd(fy, hn::Sub(b0, a0), a0), second = hn::MulAdd(fy, hn::Sub(b1, a1), a1);
-    return hn::MulAdd(fx, hn::Sub(second, first), first);
-}
-
-HWY_ATTR HWY_INLINE VC transmittance(VC tau) {
-    return hn::Exp(DC(), hn::Neg(hn::Min(tau, value8(80))));
+HWY_ATTR HWY_INLINE V8 transmittance(V8 tau) {
+    return shortExpMinus(D8(), hn::Min(tau, value8(80)));
 }
 
 /// The phase function towards the eye, for the cells of one row.
@@ -94,28 +81,27 @@ class TowardsEye {
     /// True if the phase function is the same for parallel rays at all cells: its value is then `constantAt`.
     bool constantFor(bool parallel) const { return m_view.phase.isotropic() || (parallel && m_view.parallelEye); }
     double constantAt(const Vec3& travel) const {
-        return phaseValue(m_view.phase, m_view.phase.isotropic() ? 0 : glm::dot(travel, m_view.eye));
+        return m_view.phase.isotropic() ? double(kSphere) : phaseValue(m_view.phase, glm::dot(travel, m_view.eye));
     }
     /// For light that travels along (x, y, z), unit, at the cells with these coordinates.
-    HWY_ATTR VC at(VC x, VC y, VC z, VC i, double j, double k) const {
-        const DC d;
-        VC cosine;
+    HWY_ATTR V8 at(V8 x, V8 y, V8 z, V8 i, double j, double k) const {
+        V8 cosine;
         if (m_view.parallelEye) {
-            cosine = hn::MulAdd(x, value8(m_view.eye.x),
-                                hn::MulAdd(y, value8(m_view.eye.y), hn::Mul(z, value8(m_view.eye.z))));
+            cosine = dot8(x, y, z, m_view.eye);
         } else {
-            const VC ex = hn::Sub(value8(m_view.eye.x), i), ey = value8(m_view.eye.y - j),
+            const V8 ex = hn::Sub(value8(m_view.eye.x), i), ey = value8(m_view.eye.y - j),
                      ez = value8(m_view.eye.z - k);
-            const VC length2 = hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::MulAdd(ez, ez, value8(1e-12))));
+            const V8 length2 = hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::MulAdd(ez, ez, value8(1e-12))));
             cosine = hn::Div(hn::MulAdd(x, ex, hn::MulAdd(y, ey, hn::Mul(z, ez))), hn::Sqrt(length2));
         }
         if (m_view.phase.type == PhaseType::rayleigh) {
-            const VC directed = hn::MulAdd(value8(0.75), hn::Mul(cosine, cosine), value8(-0.25));
-            return hn::Mul(hn::MulAdd(value8(m_view.phase.strength), directed, value8(1)), hn::Set(d, kSphere));
+            const V8 directed = hn::MulAdd(value8(0.75), hn::Mul(cosine, cosine), value8(-0.25));
+            return hn::Mul(hn::MulAdd(value8(m_view.phase.strength), directed, value8(1)), hn::Set(D8(), kSphere));
         }
-        VC value = henyeyGreenstein(d, cosine, m_lobe);
+        V8 value = henyeyGreenstein(D8(), cosine, m_lobe);
         if (m_view.phase.type == PhaseType::twoLobe)
-            value = hn::MulAdd(value8(m_view.phase.blend), hn::Sub(henyeyGreenstein(d, cosine, m_other), value), value);
+            value =
+                hn::MulAdd(value8(m_view.phase.blend), hn::Sub(henyeyGreenstein(D8(), cosine, m_other), value), value);
         return value;
     }
 
@@ -126,34 +112,37 @@ class TowardsEye {
 };
 
 /// What is left of `light` behind an optical depth; at the least what no eye sees, because tiny numbers are slow.
-HWY_ATTR HWY_INLINE VC passed(VC light, VC tau) {
+HWY_ATTR HWY_INLINE V8 passed(V8 light, V8 tau) {
     return hn::Max(hn::Mul(light, transmittance(tau)), value8(1e-30));
 }
 
-HWY_ATTR HWY_INLINE void addTo(CellSlices& box, const CellView& view, const CellRays& rays, std::size_t at, VC light) {
+/// Adds light to the cells of row j of slice k from cell i on.
+HWY_ATTR HWY_INLINE void addTo(CellSlices& box, const CellView& view, const CellRays& rays, int i, int j, int k,
+                               V8 light) {
     for (std::size_t c = 0; c < view.colours; ++c) {
-        Real* to = box.sums[c].data() + at;
-        hn::StoreU(hn::MulAdd(hn::Set(DC(), rays.weight[c]), light, hn::LoadU(DC(), to)), DC(), to);
+        Real* to = box.sums(c, j, k) + i;
+        hn::StoreU(hn::MulAdd(hn::Set(D8(), rays.weight[c]), light, hn::LoadU(D8(), to)), D8(), to);
     }
 }
 
-/// 1 where a ray is lit at this step, else 0.
-HWY_ATTR HWY_INLINE VC litAt(VC darkFrom, VC step) {
-    return hn::IfThenElseZero(hn::Gt(darkFrom, step), value8(1));
+/// The part of four rays that is lit at this place, interpolated between them; each is dark from its place on.
+HWY_ATTR HWY_INLINE V8 litBetween(V8 a0, V8 a1, V8 b0, V8 b1, V8 at, V8 fx, V8 fy) {
+    const auto lit = [&](V8 darkFrom) HWY_ATTR { return hn::IfThenElseZero(hn::Gt(darkFrom, at), value8(1)); };
+    return bilinear(lit(a0), lit(a1), lit(b0), lit(b1), fx, fy);
 }
 
-/// Transmittances of parallel rays.
+/// Transmittances of parallel rays, in `through`, whose memory one source after another uses.
 class ParallelRaster {
   public:
-    ParallelRaster(const CellSlices& box, const CellRays& rays, const CellView& view)
-        : m_box(box), m_rays(rays), m_down(rays.way.z < 0) {
+    ParallelRaster(const CellSlices& box, const CellRays& rays, const CellView& view, std::vector<Real>& through)
+        : m_box(box), m_rays(rays), m_down(rays.way.z < 0), m_through(through) {
         const double along = std::abs(rays.way.z);
         m_perSlice = 1 / along;
         for (int a = 0; a < 2; ++a) {
             m_slope[a] = rays.way[a] / along;
             m_begin[a] = m_slope[a] > 0 ? -m_slope[a] * box.size[2] : 0;
         }
-        m_stride = std::size_t(box.size[0] + std::ceil(std::abs(m_slope[0]) * box.size[2]) + 4 + kRowSlack);
+        m_stride = std::size_t(box.size[0] + std::ceil(std::abs(m_slope[0]) * box.size[2]) + 4 + 2 * kRowSlack);
         m_rows = box.size[1] + static_cast<int>(std::ceil(std::abs(m_slope[1]) * box.size[2])) + 4;
         m_through.assign(std::size_t(m_rows) * m_stride, Real(1));
         if (!rays.blocked) return;
@@ -172,7 +161,7 @@ class ParallelRaster {
 
     /// The extinction of a slice holds back the rays of one row of those that cross it.
     HWY_ATTR void attenuate(int step, int row) {
-        const DC d;
+        const D8 d;
         const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
         const int j = row - 1, k = slice(step);
         const CellSpan span = m_box.full[m_box.paddedRow(j, k)].with(m_box.full[m_box.paddedRow(j + 1, k)]);
@@ -180,45 +169,43 @@ class ParallelRaster {
         const Real* a = m_box.row(j, k);
         const Real* b = m_box.row(j + 1, k);
         Real* to = through(j - y.whole) - x.whole;
-        const VC fx = value8(x.fraction), fy = value8(y.fraction), perSlice = value8(m_perSlice);
+        const V8 fx = value8(x.fraction), fy = value8(y.fraction), perSlice = value8(m_perSlice);
         for (int i = span.begin - 1; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
-            const VC a0 = hn::LoadU(d, a + i), a1 = hn::LoadU(d, a + i + 1);
-            const VC b0 = hn::LoadU(d, b + i), b1 = hn::LoadU(d, b + i + 1);
-            const VC tau = hn::Mul(perSlice, bilinear(a0, a1, b0, b1, fx, fy));
+            const V8 a0 = hn::LoadU(d, a + i), a1 = hn::LoadU(d, a + i + 1);
+            const V8 b0 = hn::LoadU(d, b + i), b1 = hn::LoadU(d, b + i + 1);
+            const V8 tau = hn::Mul(perSlice, bilinear(a0, a1, b0, b1, fx, fy));
             hn::StoreU(passed(hn::LoadU(d, to + i), tau), d, to + i);
         }
     }
 
     /// Adds the light that arrives in the cells of row j of a slice.
     HWY_ATTR void light(int step, int j, const CellView& view, const TowardsEye& towards, CellSlices& box) const {
-        const DC d;
+        const D8 d;
         const int k = slice(step);
         const CellSpan span = box.wanted[box.rowIndex(j, k)];
         const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
         const Real* far = through(j - y.whole) - x.whole;
         const Real* near = through(j - y.whole - 1) - x.whole;
         const Real* own = box.row(j, k);
-        const VC fx = value8(x.fraction), fy = value8(y.fraction), half = value8(0.5),
+        const V8 fx = value8(x.fraction), fy = value8(y.fraction), half = value8(0.5),
                  ownHalf = value8(0.5 * m_perSlice);
         const bool constant = towards.constantFor(true);
-        const VC phase = value8(constant ? towards.constantAt(m_rays.way) : 0);
-        const VC wx = value8(m_rays.way.x), wy = value8(m_rays.way.y), wz = value8(m_rays.way.z);
+        const V8 phase = value8(constant ? towards.constantAt(m_rays.way) : 0);
+        const V8 wx = value8(m_rays.way.x), wy = value8(m_rays.way.y), wz = value8(m_rays.way.z);
         for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
-            const VC a1 = hn::LoadU(d, far + i), a0 = hn::LoadU(d, far + i - 1);
-            const VC b1 = hn::LoadU(d, near + i), b0 = hn::LoadU(d, near + i - 1);
-            const VC before = bilinear(a1, a0, b1, b0, fx, fy);
-            const VC p = constant ? phase : towards.at(wx, wy, wz, hn::Add(counted(i), half), j + 0.5, k + 0.5);
-            VC arrives = m_rays.attenuated ? passed(before, hn::Mul(ownHalf, hn::LoadU(d, own + i))) : value8(1);
+            const V8 a1 = hn::LoadU(d, far + i), a0 = hn::LoadU(d, far + i - 1);
+            const V8 b1 = hn::LoadU(d, near + i), b0 = hn::LoadU(d, near + i - 1);
+            const V8 before = bilinear(a1, a0, b1, b0, fx, fy);
+            const V8 p = constant ? phase : towards.at(wx, wy, wz, hn::Add(counted(i), half), j + 0.5, k + 0.5);
+            V8 arrives = m_rays.attenuated ? passed(before, hn::Mul(ownHalf, hn::LoadU(d, own + i))) : value8(1);
             if (m_rays.blocked) {
                 const Real* dark = m_dark.data() + (far - m_through.data());
                 const Real* beside = m_dark.data() + (near - m_through.data());
-                const VC at = value8(step);
-                const VC open =
-                    bilinear(litAt(hn::LoadU(d, dark + i), at), litAt(hn::LoadU(d, dark + i - 1), at),
-                             litAt(hn::LoadU(d, beside + i), at), litAt(hn::LoadU(d, beside + i - 1), at), fx, fy);
+                const V8 open = litBetween(hn::LoadU(d, dark + i), hn::LoadU(d, dark + i - 1), hn::LoadU(d, beside + i),
+                                           hn::LoadU(d, beside + i - 1), value8(step), fx, fy);
                 arrives = hn::Mul(arrives, open);
             }
-            addTo(box, view, m_rays, box.rowIndex(j, k) * box.sumStride() + std::size_t(i), hn::Mul(p, arrives));
+            addTo(box, view, m_rays, i, j, k, hn::Mul(p, arrives));
         }
     }
 
@@ -239,14 +226,16 @@ class ParallelRaster {
     double m_slope[2], m_begin[2];
     std::size_t m_stride;
     int m_rows;
-    std::vector<Real> m_through, m_dark;
+    std::vector<Real>& m_through;
+    std::vector<Real> m_dark;
 };
 
 /// Transmittances of the rays from a point to the cells of one face of a cube around it; for a lamp their depths.
 class PointRaster {
   public:
-    PointRaster(const CellSlices& box, const CellRays& rays, bool down, const CellView& view)
-        : m_box(box), m_rays(rays), m_down(down) {
+    PointRaster(const CellSlices& box, const CellRays& rays, const CellView& view, std::vector<Real>& through,
+                bool down)
+        : m_box(box), m_rays(rays), m_down(down), m_through(through) {
         while (m_first < box.size[2] && distance(m_first) + 0.5 <= 0) ++m_first;
         if (m_first == box.size[2]) return;
         const double near = middle(m_first), far = middle(box.size[2] - 1);
@@ -261,8 +250,8 @@ class PointRaster {
         }
         m_width = count[0];
         m_rows = m_width > 0 ? count[1] : 0;
-        m_stride = std::size_t(m_width + kRowSlack);
-        m_through.assign(std::size_t(m_rows) * m_stride, Real(rays.oneSided ? 1 : 0));
+        m_stride = std::size_t(m_width + 2 * kRowSlack);
+        m_through.assign(std::size_t(m_rows) * m_stride, Real(rays.lamp ? 0 : 1));
         if (!rays.blocked) return;
         m_dark.resize(m_through.size());
         for (int q = 0; q < m_rows; ++q)
@@ -275,8 +264,8 @@ class PointRaster {
     bool reaches(int step) const { return m_rows > 0 && step >= m_first; }
 
     HWY_ATTR void attenuate(int step, int row) {
-        const DC d;
-        const hn::RebindToSigned<DC> di;
+        const D8 d;
+        const hn::RebindToSigned<D8> di;
         const int k = slice(step);
         const double z = middle(step), thickness = 2 * (distance(step) + 0.5 - z);
         const double aside = m_begin[1] + row * m_cell, y = m_rays.from.y + aside * z - 0.5;
@@ -291,24 +280,24 @@ class PointRaster {
         const Real* a = m_box.row(j, k);
         const Real* b = m_box.row(j + 1, k);
         Real* to = m_through.data() + std::size_t(row) * m_stride;
-        const VC fy = value8(y - j), part = value8(thickness), across2 = value8(1 + aside * aside);
+        const V8 fy = value8(y - j), part = value8(thickness), across2 = value8(1 + aside * aside);
         for (int p = begin; p < end; p += static_cast<int>(hn::Lanes(d))) {
-            const VC x =
-                hn::Min(hn::Max(hn::MulAdd(counted(p), value8(perRay), value8(x0)), value8(-1)), value8(m_box.size[0]));
-            const VC whole = hn::Floor(x), fx = hn::Sub(x, whole);
+            const V8 x = hn::Min(hn::Max(hn::MulAdd(counted(p), value8(perRay), value8(x0)), value8(span.begin - 1)),
+                                 value8(span.end));
+            const V8 whole = hn::Floor(x), fx = hn::Sub(x, whole);
             const auto i = hn::ConvertTo(di, whole), next = hn::Add(i, hn::Set(di, 1));
-            const VC a0 = hn::GatherIndex(d, a, i), a1 = hn::GatherIndex(d, a, next);
-            const VC b0 = hn::GatherIndex(d, b, i), b1 = hn::GatherIndex(d, b, next);
-            const VC along = hn::MulAdd(counted(p), value8(m_cell), value8(m_begin[0]));
-            const VC way = hn::Mul(part, hn::Sqrt(hn::MulAdd(along, along, across2)));
-            const VC tau = hn::Mul(way, bilinear(a0, a1, b0, b1, fx, fy)), before = hn::LoadU(d, to + p);
-            hn::StoreU(m_rays.oneSided ? passed(before, tau) : hn::Add(before, tau), d, to + p);
+            const V8 a0 = hn::GatherIndex(d, a, i), a1 = hn::GatherIndex(d, a, next);
+            const V8 b0 = hn::GatherIndex(d, b, i), b1 = hn::GatherIndex(d, b, next);
+            const V8 along = hn::MulAdd(counted(p), value8(m_cell), value8(m_begin[0]));
+            const V8 way = hn::Mul(part, hn::Sqrt(hn::MulAdd(along, along, across2)));
+            const V8 tau = hn::Mul(way, bilinear(a0, a1, b0, b1, fx, fy)), before = hn::LoadU(d, to + p);
+            hn::StoreU(m_rays.lamp ? hn::Add(before, tau) : passed(before, tau), d, to + p);
         }
     }
 
     HWY_ATTR void light(int step, int j, const CellView& view, const TowardsEye& towards, CellSlices& box) const {
-        const DC d;
-        const hn::RebindToSigned<DC> di;
+        const D8 d;
+        const hn::RebindToSigned<D8> di;
         const int k = slice(step);
         const double z = distance(step), own = m_rays.attenuated ? std::min(z, 0.5) : 0, y = j + 0.5 - m_rays.from.y;
         if (z <= 0 || !owns(1, y, z)) return;
@@ -318,53 +307,59 @@ class PointRaster {
         const Real* a = m_through.data() + std::size_t(q) * m_stride;
         const Real* b = a + m_stride;
         const Real* extinction = box.row(j, k);
-        const VC fy = value8(row - q), half = value8(0.5), ahead = value8(m_down ? -z : z),
+        const V8 fy = value8(row - q), half = value8(0.5), ahead = value8(m_down ? -z : z),
                  perCell = value8(1 / (z * m_cell)), first = value8(-m_begin[0] / m_cell);
         const bool constant = towards.constantFor(false);
-        const VC phase = value8(constant ? towards.constantAt({0, 0, 1}) : 0);
+        const V8 phase = value8(constant ? towards.constantAt({0, 0, 1}) : 0);
         for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
-            const VC center = hn::Add(counted(i), half), x = hn::Sub(center, value8(m_rays.from.x));
-            const VC at = hn::Min(hn::MulAdd(x, perCell, first), value8(m_width + 4)), whole = hn::Floor(at),
+            const V8 center = hn::Add(counted(i), half), x = hn::Sub(center, value8(m_rays.from.x));
+            const V8 at = hn::Min(hn::MulAdd(x, perCell, first), value8(m_width + 4)), whole = hn::Floor(at),
                      fx = hn::Sub(at, whole);
             const auto p = hn::ConvertTo(di, whole), next = hn::Add(p, hn::Set(di, 1));
-            const VC a0 = hn::GatherIndex(d, a, p), a1 = hn::GatherIndex(d, a, next);
-            const VC b0 = hn::GatherIndex(d, b, p), b1 = hn::GatherIndex(d, b, next);
-            const VC before = bilinear(a0, a1, b0, b1, fx, fy);
-            const VC r2 = hn::MulAdd(x, x, value8(y * y + z * z)), r = hn::Sqrt(r2), one = hn::Div(value8(1), r);
-            const VC tau = hn::Mul(hn::Mul(r, value8(own / z)), hn::LoadU(d, extinction + i));
-            const VC wx = hn::Mul(x, one), wy = hn::Mul(value8(y), one), wz = hn::Mul(ahead, one);
-            VC light = m_rays.oneSided ? passed(before, tau) : transmittance(hn::Add(before, tau));
+            const V8 a0 = hn::GatherIndex(d, a, p), a1 = hn::GatherIndex(d, a, next);
+            const V8 b0 = hn::GatherIndex(d, b, p), b1 = hn::GatherIndex(d, b, next);
+            const V8 before = bilinear(a0, a1, b0, b1, fx, fy);
+            const V8 r2 = hn::MulAdd(x, x, value8(y * y + z * z)), r = hn::Sqrt(r2), one = hn::Div(value8(1), r);
+            const V8 tau = hn::Mul(hn::Mul(r, value8(own / z)), hn::LoadU(d, extinction + i));
+            const V8 wx = hn::Mul(x, one), wy = hn::Mul(value8(y), one), wz = hn::Mul(ahead, one);
+            V8 light = m_rays.lamp ? transmittance(hn::Add(before, tau)) : passed(before, tau);
             if (m_rays.blocked) {
                 const Real* dark = m_dark.data() + (a - m_through.data());
                 const Real* beside = dark + m_stride;
-                const VC step8 = value8(z);
-                const VC open =
-                    bilinear(litAt(hn::GatherIndex(d, dark, p), step8), litAt(hn::GatherIndex(d, dark, next), step8),
-                             litAt(hn::GatherIndex(d, beside, p), step8),
-                             litAt(hn::GatherIndex(d, beside, next), step8), fx, fy);
+                const V8 open =
+                    litBetween(hn::GatherIndex(d, dark, p), hn::GatherIndex(d, dark, next),
+                               hn::GatherIndex(d, beside, p), hn::GatherIndex(d, beside, next), value8(z), fx, fy);
                 light = hn::Mul(light, open);
             }
             if (m_rays.decayScale > 0)
                 light = hn::Div(hn::Mul(light, value8(m_rays.decayScale)), hn::Max(r2, value8(m_rays.radius2)));
             if (m_rays.oneSided) {
-                const VC facing = hn::MulAdd(wx, value8(m_rays.way.x),
-                                             hn::MulAdd(wy, value8(m_rays.way.y), hn::Mul(wz, value8(m_rays.way.z))));
+                const V8 facing = dot8(wx, wy, wz, m_rays.way);
                 light = hn::Mul(light, throughSpread(hn::Max(facing, hn::Zero(d))));
             }
+            if (m_rays.pattern) light = hn::Mul(light, sentAlong(wx, wy, wz));
             light = hn::Mul(light, constant ? phase : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5));
             // Cells beyond the face belong to another one.
             light = hn::IfThenElseZero(hn::Lt(counted(i), value8(span.end)), light);
-            addTo(box, view, m_rays, box.rowIndex(j, k) * box.sumStride() + std::size_t(i), light);
+            addTo(box, view, m_rays, i, j, k, light);
         }
     }
 
   private:
+    // What a part of a mesh sends along (x, y, z).
+    HWY_ATTR V8 sentAlong(V8 x, V8 y, V8 z) const {
+        const auto& [even, linear, quadratic] = *m_rays.pattern;
+        const V8 slope[3] = {dot8(x, y, z, quadratic[0]), dot8(x, y, z, quadratic[1]), dot8(x, y, z, quadratic[2])};
+        V8 sum = hn::Add(value8(even), dot8(x, y, z, linear));
+        sum = hn::MulAdd(x, slope[0], hn::MulAdd(y, slope[1], hn::MulAdd(z, slope[2], sum)));
+        return hn::Max(sum, hn::Zero(D8()));
+    }
     // The cosine to an element's normal, and what its spread lets through.
-    HWY_ATTR VC throughSpread(VC facing) const {
+    HWY_ATTR V8 throughSpread(V8 facing) const {
         if (m_rays.spreadScale == 0) return facing;
-        const VC sine = hn::Sqrt(hn::Max(hn::NegMulAdd(facing, facing, value8(1)), hn::Zero(DC())));
-        const VC part = hn::MulSub(facing, value8(m_rays.spreadTangent), sine);
-        return hn::Mul(hn::Max(part, hn::Zero(DC())), value8(m_rays.spreadScale));
+        const V8 sine = hn::Sqrt(hn::Max(hn::NegMulAdd(facing, facing, value8(1)), hn::Zero(D8())));
+        const V8 part = hn::MulSub(facing, value8(m_rays.spreadTangent), sine);
+        return hn::Mul(hn::Max(part, hn::Zero(D8())), value8(m_rays.spreadScale));
     }
     // From the source to the middle of a slice, and to the middle of the part of it that lies ahead of the source.
     double distance(int step) const { return (slice(step) + 0.5 - m_rays.from.z) * (m_down ? -1 : 1); }
@@ -386,11 +381,11 @@ class PointRaster {
     const CellSlices& m_box;
     const CellRays& m_rays;
     bool m_down;
-    int m_first = 0;
+    int m_first = 0, m_width = 0, m_rows = 0;
     double m_cell = 1, m_begin[2] = {0, 0};
-    int m_width = 0, m_rows = 0;
     std::size_t m_stride = 0;
-    std::vector<Real> m_through, m_dark;
+    std::vector<Real>& m_through;
+    std::vector<Real> m_dark;
 };
 
 }  // namespace HWY_NAMESPACE

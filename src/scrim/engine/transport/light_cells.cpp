@@ -48,9 +48,10 @@ HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& vi
         }
     };
     parallelFor(std::min(count, std::size_t(threadCount())), [&](std::size_t) HWY_ATTR {
+        std::vector<Real> memory;
         for (std::size_t m = next++; m < count; m = next++) {
             const Finish finish{passed[m], next};
-            Raster raster = make(m);
+            Raster raster = make(m, memory);
             for (int step = 0; step < box.size[2] && next < std::numeric_limits<std::size_t>::max() / 2; ++step) {
                 if (step % 8 == 0 && std::this_thread::get_id() == caller) checkpoint();
                 while (m > 0 && passed[m - 1].load(std::memory_order_acquire) <= step) std::this_thread::yield();
@@ -71,10 +72,14 @@ HWY_ATTR void sweepCells(const std::vector<CellRays>& sources, const CellView& v
     const std::size_t count = sources.size();
     if (parallel)
         passSlices<ParallelRaster>(
-            count, [&](std::size_t m) { return ParallelRaster(box, sources[m], view); }, view, box, checkpoint);
+            count,
+            [&](std::size_t m, std::vector<Real>& memory) { return ParallelRaster(box, sources[m], view, memory); },
+            view, box, checkpoint);
     else
         passSlices<PointRaster>(
-            count, [&](std::size_t m) { return PointRaster(box, sources[m], down, view); }, view, box, checkpoint);
+            count,
+            [&](std::size_t m, std::vector<Real>& memory) { return PointRaster(box, sources[m], view, memory, down); },
+            view, box, checkpoint);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -91,22 +96,23 @@ namespace {
 // Sub-lights as sources of rays, and the light that they send if it has one colour.
 struct Sources {
     std::vector<Light> lights;
+    std::vector<int> owners;  // for each the index of the light that it is a part of, ascending
     Rgb tint{1};
     std::size_t colours = 1;  // 3 if the lights differ in colour
+    bool lamp = false;        // points of a lamp, of which the transmittance alone is asked
     bool attenuated = true;   // by volumes
     bool blocked = false;     // by solids
 };
-
-double brightest(const Rgb& light) {
-    return std::max({light.x, light.y, light.z});
-}
 
 // Of a lamp, which stands alone, the transmittance is kept: the mean of light of 4 pi from its points, scattered to all
 // sides alike.
 Sources sourcesOfLamp(const Light& light, int count) {
     const std::vector<Vec3> points = pointsOfLamp(light, count);
     Sources lamp;
+    lamp.lamp = true;
+    lamp.attenuated = light.shadows;
     lamp.lights.assign(points.size(), light);
+    lamp.owners.assign(points.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
         lamp.lights[i].kind = Light::Point();
         lamp.lights[i].wsPosition = points[i];
@@ -126,12 +132,15 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     for (Light& light : alone.lights) light.samples = pointsOnCells(scene, light);
     const SubLights parts = subLights(alone);
     for (std::size_t i = 0; i < parts.lights.size(); ++i)
-        if (parts.lights[i].intensity != Rgb(0) && !parts.suns[i]) out.lights.push_back(parts.lights[i]);
+        if (parts.lights[i].intensity != Rgb(0) && !parts.suns[i]) {
+            out.lights.push_back(parts.lights[i]);
+            out.owners.push_back(parts.ownerOf(static_cast<int>(i)));
+        }
     if (out.lights.empty()) return out;
     out.tint = out.lights.front().intensity;
     for (const Light& light : out.lights)
         if (!sameColour(out.tint, light.intensity)) out.colours = 3;
-    if (out.colours == 1) out.tint /= brightest(out.tint);
+    if (out.colours == 1) out.tint /= largest(out.tint);
     return out;
 }
 
@@ -154,32 +163,45 @@ class Pass {
                 const Vec3 ws = slices.wsPlace(from);
                 return darkFrom(ws, slices.wsPlace(from + perStep) - ws, parallel);
             };
-        slices.clearSums(colours);
         const auto before = lamp && hollowOnCells(*lamp, m_grid.edge())
                                 ? slices.hollow(lamp->wsPosition, lamp->area()->radius)
                                 : std::vector<std::pair<std::size_t, Real>>();
-        for (const bool down : {false, true}) {
-            std::vector<CellRays> suns, points;
-            for (const Light& light : sources.lights) {
-                CellRays rays = raysOf(sources, light, slices);
-                for (std::size_t c = 0; c < colours; ++c)
-                    rays.weight[c] =
-                        static_cast<Real>(weightOf(sources, light, colour < 0 ? static_cast<int>(c) : colour));
-                if (!rays.parallel)
-                    points.push_back(rays);
-                else if (mainAxis(light.wsDirection) == slices.axes[2] && (rays.way.z < 0) == down)
-                    suns.push_back(rays);
-            }
-            SCRIM_ON_TARGET(m_simd, sweepCells)(suns, view, true, down, slices, m_checkpoint);
-            SCRIM_ON_TARGET(m_simd, sweepCells)(points, view, false, down, slices, m_checkpoint);
+        // Each light is sharpened alone, because what limits that depends on all that is in the sums.
+        const auto end = sources.owners.end();
+        for (auto first = sources.owners.begin(), last = first; first != end; first = last) {
+            last = std::upper_bound(first, end, *first);
+            slices.clearSums(colours);
+            sweep(sources, std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view,
+                  slices);
+            if (!lamp && sources.attenuated) slices.sharpen(colours);
+            slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
         }
-        for (const auto& [at, extinction] : before) slices.extinction[at] = extinction;
-        if (!lamp && sources.attenuated) slices.sharpen(colours);
-        slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
+        slices.restore(before);
         if (far) slices.addFarLight(field, colour, *far);
     }
 
   private:
+    // Adds the light of `count` sources from `first` on to the sums of the slices.
+    void sweep(const Sources& sources, std::size_t first, std::size_t count, int colour, const CellView& view,
+               CellSlices& slices) const {
+        std::vector<CellRays> suns[2], points;  // suns: those that go up, and those that go down
+        for (std::size_t i = first; i < first + count; ++i) {
+            const Light& light = sources.lights[i];
+            CellRays rays = raysOf(sources, light, slices);
+            // Relative to the tint where there is one value for all colours.
+            for (int c = 0; c < static_cast<int>(view.colours); ++c)
+                rays.weight[c] = static_cast<Real>(sources.colours == 3 ? light.intensity[colour < 0 ? c : colour]
+                                                                        : largest(light.intensity));
+            if (!rays.parallel)
+                points.push_back(rays);
+            else if (axisOfLargest(glm::abs(light.wsDirection)) == slices.axes[2])
+                suns[rays.way.z < 0 ? 1 : 0].push_back(rays);
+        }
+        for (const bool down : {false, true}) {
+            SCRIM_ON_TARGET(m_simd, sweepCells)(suns[down ? 1 : 0], view, true, down, slices, m_checkpoint);
+            SCRIM_ON_TARGET(m_simd, sweepCells)(points, view, false, down, slices, m_checkpoint);
+        }
+    }
     // Cells on both sides of a surface, less than a voxel away, are looked up together. If it hides what is behind it,
     // the eye sees but one side of it: where the light shines on that one, cells behind it are lit, too, and else those
     // in front are dark.
@@ -194,31 +216,23 @@ class Pass {
                           0;
         return hit.t + (seen ? beside : -beside);
     }
-    static int mainAxis(const Vec3& v) {
-        const Vec3 size = glm::abs(v);
-        return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    }
-    // Relative to the tint where there is one value for all colours.
-    static double weightOf(const Sources& sources, const Light& light, int colour) {
-        return sources.colours == 3 ? light.intensity[colour] : brightest(light.intensity);
-    }
     CellRays raysOf(const Sources& sources, const Light& light, const CellSlices& slices) const {
-        CellRays rays;
-        rays.parallel = light.distant();
+        CellRays rays{.parallel = light.distant(), .way = slices.reordered(light.wsDirection)};
+        rays.lamp = sources.lamp;
         rays.attenuated = sources.attenuated;
         rays.blocked = sources.blocked;
-        rays.way = slices.reordered(light.wsDirection);
         if (rays.parallel) return rays;
         const double edge = m_grid.edge();
         // A lamp exactly at the centre of a cell would belong to no face of the cube around it.
         rays.from = slices.place(light.wsPosition + edge * Vec3(1e-4, 1.1e-4, 1.2e-4));
-        rays.oneSided = light.element() != nullptr;
-        if (!rays.oneSided) return rays;  // a lamp, whose distance the field divides by
-        const Spread spread(light.element()->spread);
-        rays.spreadTangent = spread.tangent();
-        rays.spreadScale = spread.scale();
+        if (rays.lamp) return rays;  // the field divides by its distance
         rays.radius2 = light.point().radius * light.point().radius / (edge * edge);
         rays.decayScale = light.point().decay ? 1 / (edge * edge) : 0;
+        if (light.luminaire) rays.pattern = slices.seriesOf(light, wsBounds(m_scene));
+        rays.oneSided = light.element() != nullptr;
+        const Spread spread(rays.oneSided ? light.element()->spread : 180);
+        rays.spreadTangent = spread.tangent();
+        rays.spreadScale = spread.scale();
         return rays;
     }
 
@@ -264,25 +278,13 @@ std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector
     return groups;
 }
 
-// The blocks of cells in which a lamp has a field of its own.
-std::shared_ptr<const CellGrid> cellsNear(const Light& lamp, const CellGrid& all, const Vec3& wsCorner) {
-    const double reach = nearestFar(lamp, all.edge()) + all.edge(), half = 0.5 * kCellEdge * all.edge();
-    std::vector<Bounds> boxes;
-    for (const Int3& block : all.storedBlocks()) {
-        const Vec3 center = all.wsFromCs(Vec3(block * kCellEdge) + 0.5 * kCellEdge);
-        const Vec3 beside = glm::max(glm::abs(lamp.wsPosition - center) - half, Vec3(0));
-        if (glm::dot(beside, beside) <= reach * reach) boxes.push_back({center - all.edge(), center + all.edge()});
-    }
-    return std::make_shared<const CellGrid>(all.edge(), boxes, wsCorner);
-}
-
 // The field that lamps share, and the jobs for each of them.
 std::shared_ptr<CellField> addLamps(const ViewScene& scene, const std::vector<int>& lamps, const Phase& phase,
                                     const std::shared_ptr<const CellGrid>& grid, bool grey, std::vector<Job>& jobs) {
     bool coloured = !grey;
     const Rgb tint = scene.lights[std::size_t(lamps.front())].intensity;
     for (const int i : lamps) coloured = coloured || !sameColour(tint, scene.lights[std::size_t(i)].intensity);
-    const auto far = std::make_shared<CellField>(grid, coloured ? 3 : 1, coloured ? Rgb(1) : tint / brightest(tint));
+    const auto far = std::make_shared<CellField>(grid, coloured ? 3 : 1, coloured ? Rgb(1) : tint / largest(tint));
     for (const int i : lamps) {
         const Light& lamp = scene.lights[std::size_t(i)];
         const auto near =
@@ -333,7 +335,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
                                     const std::function<void()>& checkpoint, std::size_t& bytes) {
     // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them.
     const double margin = (kernelRadius(scene) + 0.75 * scene.dials.sheetThickness) * voxelUnit(scene);
-    const CellMedia media = cellMedia(scene, {}, edge, cornerOfVoxels(scene, edge), margin);
+    const CellMedia media = cellMedia(scene, {}, edge, simd, cornerOfVoxels(scene, edge), margin);
     const int reach = 1 + static_cast<int>(std::ceil(margin / edge));
     const auto grid = std::make_shared<const CellGrid>(media.grid);
     const bool grey = media.extinction.size() == 1;
@@ -343,17 +345,15 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
         for (Job& job : jobsOf(scene, group, grid, grey, all.emplace_back())) {
             bytes += job.field->bytes();
             if (job.far && (jobs.empty() || jobs.back().far != job.far)) bytes += job.far->bytes();
+            if (job.lamp && job.lamp->shadows && solidsBlock(scene)) job.open = std::make_shared<CellField>(grid, 1);
+            if (job.open) bytes += job.open->bytes();
             jobs.push_back(std::move(job));
-        }
-    for (Job& job : jobs)
-        if (job.lamp && solidsBlock(scene)) {
-            job.open = std::make_shared<CellField>(grid, 1);
-            bytes += job.open->bytes();
         }
     std::size_t most = 0;
     const Pass pass(scene, *grid, simd, checkpoint);
+    CellSlices slices(*grid);
     for (int axis = 0; axis < 3; ++axis) {
-        CellSlices slices(*grid, axis);
+        slices.layAlong(axis);
         for (std::size_t c = 0; c < media.extinction.size(); ++c) {
             slices.fill(media.extinction[c], reach);
             for (const Job& job : jobs)
@@ -371,7 +371,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
         most = std::max(most, slices.bytes());
     }
     for (const Job& job : jobs)
-        if (job.lamp) job.field->makeMean(job.open);
+        if (job.lamp) job.field->makeMean(media, job.open);
     bytes += most + media.bytes();
     return all;
 }

@@ -69,7 +69,7 @@ Depths opticalDepths(const CellMedia& media, const Vec3& ws, const Vec3& directi
             }
             for (std::size_t c = 0; straight && c < media.straight.size(); ++c)
                 out.straight[int(c)] += way * media.straight[c][std::size_t(index)];
-            if (std::min({tau.x, grey ? kInfinity : tau.y, grey ? kInfinity : tau.z}) > kMostTau) break;
+            if ((grey ? tau.x : smallest(tau)) > kMostTau) break;
         }
         t = next[axis];
         cell[axis] += step[axis];
@@ -233,6 +233,7 @@ struct Collisions {
     int colour;
     const Ordinates& ordinates;
     Simd simd;
+    bool once;  // the light of classes that scatter once, else that of the others
 
     // Adds the light to the source of all classes that it lights, per unit of irradiance: one number, or one for each
     // ordinate.
@@ -243,7 +244,7 @@ struct Collisions {
         std::vector<std::vector<Real>> even;  // used if the light comes from a single direction
         if (!solver.isotropic() && light.distant())
             for (const ScatterClass& cls : classes)
-                scatteringRow(ordinates, cls.split.spread(), light.wsDirection, even.emplace_back(values).data(), simd);
+                scatteringRow(ordinates, cls.solved(), light.wsDirection, even.emplace_back(values).data(), simd);
         parallelFor(media.grid.storedBlocks().size(), [&](std::size_t block) {
             std::vector<Real> row(values);
             for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
@@ -261,18 +262,19 @@ struct Collisions {
                     }
                     const Real* into = row.data();
                     if (even.empty())
-                        scatteringRow(ordinates, classes[k].split.spread(), arriving.travel, row.data(), simd);
+                        scatteringRow(ordinates, classes[k].solved(), arriving.travel, row.data(), simd);
                     else
                         into = even[k].data();
                     for (std::size_t m = 0; m < values; ++m) to[m] += static_cast<Real>(scattered) * into[m];
                 }
             }
         });
+        if (once) return;
         parallelFor(media.grid.sides(), [&](std::size_t side) {
             double sum = 0;
             for (const auto& [ws, normal] : media.grid.pointsOfSide(side)) sum += rays.onto(ws, normal)[colour];
             source[solver.rows() * values + side] +=
-                static_cast<Real>(sum * media.grid.albedoOfSide(side)[colour] / std::numbers::pi);
+                static_cast<Real>(sum * media.grid.firstOfSide(side)[colour] / std::numbers::pi);
         });
     }
 
@@ -280,16 +282,17 @@ struct Collisions {
     // Where phase functions are mixed, each class sees the beam as if its own phase function had spread it.
     void addStraight(const ArrivingInCell& arriving, std::size_t cell, std::size_t row,
                      std::vector<std::vector<Real>>& straight) const {
-        if (straight.empty() || arriving.straightDepth[colour] == 0) return;
+        if (straight.empty() || once || arriving.straightDepth[colour] == 0) return;
         const double cosine = glm::dot(arriving.travel, travelToEye(scene.camera, media.grid.wsCenter(cell)));
         for (std::size_t k = 0; k < classes.size(); ++k) {
-            if (!classes[k].litBy(owner)) continue;
+            if (classes[k].once || !classes[k].litBy(owner)) continue;
             const double part = classes[k].split.scatteredAgain(arriving.straightDepth[colour], cosine);
             straight[k][row] += static_cast<Real>(arriving.irradiance[colour] * part);
         }
     }
     double scatteringOf(std::size_t k, std::size_t cell) const {
-        return classes[k].litBy(owner) ? media.scatteringOf(k, std::size_t(colour))[cell] : 0;
+        return classes[k].once == once && classes[k].litBy(owner) ? media.scatteringOf(k, std::size_t(colour))[cell]
+                                                                  : 0;
     }
     bool scatters(std::size_t cell) const {
         for (std::size_t k = 0; k < classes.size(); ++k)
@@ -321,7 +324,8 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
 
 std::vector<std::vector<Real>> fillSource(const ViewScene& scene, const CellMedia& media,
                                           const std::vector<ScatterClass>& classes, const ScatterTarget& target,
-                                          int colour, const Ordinates& ordinates, Simd simd, TransportSolver& solver) {
+                                          int colour, const Ordinates& ordinates, Simd simd, bool once,
+                                          TransportSolver& solver) {
     std::vector<Real>& source = solver.clearedSource();
     std::vector<std::vector<Real>> straight;
     if (!media.straight.empty()) straight.assign(classes.size(), std::vector<Real>(solver.rows(), Real(0)));
@@ -329,14 +333,56 @@ std::vector<std::vector<Real>> fillSource(const ViewScene& scene, const CellMedi
         const auto owner = std::size_t(light);
         const Light& whole = scene.lights[owner];
         for (const Light& point : whole.dome() ? sunsOfSky(scene, whole) : pointsOf(scene, whole))
-            Collisions{scene, media, classes, owner, colour, ordinates, simd}.addTo(solver, point, source, straight);
+            Collisions{scene, media, classes, owner, colour, ordinates, simd, once}.addTo(solver, point, source,
+                                                                                          straight);
     }
-    if (!target.emission || media.emission.empty()) return straight;
+    if (once || !target.emission || media.emission.empty()) return straight;
     const std::size_t values = solver.valuesPerRow();
     for (std::size_t cell = 0; cell < media.grid.cells(); ++cell)
         if (const Real glow = media.emission[std::size_t(colour)][cell]; glow > 0 && solver.rowOf(cell) >= 0)
             for (std::size_t m = 0; m < values; ++m) source[std::size_t(solver.rowOf(cell)) * values + m] += glow;
     return straight;
+}
+
+double phaseOver(const Phase& phase, double cosine, double toEye) {
+    constexpr double kNarrow = 0.9995;
+    if (cosine > kNarrow) return phaseValue(phase, toEye);
+    const double aside = std::sqrt(std::max(1 - toEye * toEye, 0.0));
+    double sum = 0;
+    for (const double node : {0.21132486540518713, 0.78867513459481287}) {
+        const double z = 1 - node * (1 - cosine), across = aside * std::sqrt(std::max(1 - z * z, 0.0));
+        for (const auto& [turn, count] : {std::pair(1.0, 1), {0.5, 2}, {-0.5, 2}, {-1.0, 1}})
+            sum += count * phaseValue(phase, std::clamp(z * toEye + across * turn, -1.0, 1.0));
+    }
+    return sum / 12;
+}
+
+double wayFrom(const Light& lamp, double r) {
+    const double radius = radiusOfSphere(lamp);
+    if (radius == 0) return r;
+    if (r <= radius) return 0;
+    if (r > 2 * radius) return r - radius * (2.0 / 3 + 0.25 * radius / r);  // to 1e-3 radii
+    const double h = std::sqrt(r * r - radius * radius);
+    return 0.5 * (radius * radius - r * radius + h * h * std::log((r + radius) / h)) / (r - h);
+}
+
+Rgb depthFromSphere(const CellMedia& media, const Vec3& wsCenter, double radius, const Vec3& ws) {
+    constexpr int kAround = 6;
+    const double r = glm::distance(ws, wsCenter), least = std::sqrt(std::max(1 - radius * radius / (r * r), 0.0));
+    const Mat3 frame = frameAround((wsCenter - ws) / r);
+    Rgb sum(0);
+    double turn = 0;
+    for (const auto& [node, weight] : kFourPoints) {
+        const double mu = least + node * (1 - least), across = std::sqrt(1 - mu * mu);
+        const double way = r * mu - std::sqrt(std::max(r * r * (mu * mu - least * least), 0.0));
+        turn += 0.4;  // so that rays of two rings are not above one another
+        for (int i = 0; i < kAround; ++i) {
+            const double angle = turn + 2 * std::numbers::pi * i / kAround;
+            const Vec3 direction = frame * Vec3(across * std::cos(angle), across * std::sin(angle), mu);
+            sum += weight / kAround * glm::exp(-opticalDepths(media, ws, direction, way).tau);
+        }
+    }
+    return -glm::log(glm::max(sum, Rgb(1e-30)));
 }
 
 }  // namespace scrim

@@ -24,7 +24,7 @@ namespace HWY_NAMESPACE {
 
 // Four vectors of outputs for two rows stay in registers while all inputs are read.
 HWY_ATTR void multiplyRows(const Real* matrix, std::size_t count, const Real* a, const Real* b, Real* toA, Real* toB) {
-    const hn::CappedTag<Real, 8> d;
+    const D8 d;
     const std::size_t lanes = hn::Lanes(d), step = std::min(4 * lanes, count);
     for (std::size_t m = 0; m < count; m += step) {
         auto a0 = hn::Zero(d), a1 = a0, a2 = a0, a3 = a0, b0 = a0, b1 = a0, b2 = a0, b3 = a0;
@@ -53,34 +53,27 @@ HWY_ATTR void multiplyRows(const Real* matrix, std::size_t count, const Real* a,
     }
 }
 
-using D8 = hn::CappedTag<Real, 8>;
-
-// Fills a row with the phase function times 4 pi; returns the sum of the row times the weights.
-HWY_ATTR Real fillRow(const Ordinates& ordinates, const Phase& phase, const Vec3& travel, Real* row) {
+// Fills a row with a Legendre series times 4 pi.
+HWY_ATTR void fillRow(const Ordinates& ordinates, const Real* moments, std::size_t count, const Vec3& travel,
+                      Real* row) {
     const D8 d;
     const auto x = hn::Set(d, static_cast<Real>(travel.x)), y = hn::Set(d, static_cast<Real>(travel.y));
     const auto z = hn::Set(d, static_cast<Real>(travel.z));
-    const Lobe lobe(phase.g), other(phase.g2);
-    const auto blend = hn::Set(d, static_cast<Real>(phase.blend)),
-               strength = hn::Set(d, static_cast<Real>(phase.strength));
-    auto sum = hn::Zero(d);
     for (std::size_t m = 0; m < std::size_t(ordinates.count()); m += hn::Lanes(d)) {
         const auto cosine = hn::MulAdd(x, hn::LoadU(d, ordinates.axes[0].data() + m),
                                        hn::MulAdd(y, hn::LoadU(d, ordinates.axes[1].data() + m),
                                                   hn::Mul(z, hn::LoadU(d, ordinates.axes[2].data() + m))));
-        auto value = hn::Set(d, Real(1));
-        if (phase.type == PhaseType::rayleigh) {
-            const auto directed = hn::MulAdd(hn::Set(d, Real(0.75)), hn::Mul(cosine, cosine), hn::Set(d, Real(-0.25)));
-            value = hn::MulAdd(strength, directed, value);
-        } else {
-            value = henyeyGreenstein(d, cosine, lobe);
-            if (phase.type == PhaseType::twoLobe)
-                value = hn::MulAdd(blend, hn::Sub(henyeyGreenstein(d, cosine, other), value), value);
+        auto value = hn::Zero(d), before = hn::Zero(d), polynomial = hn::Set(d, Real(1));
+        for (std::size_t l = 0; l < count; ++l) {
+            value = hn::MulAdd(hn::Set(d, static_cast<Real>(2 * l + 1) * moments[l]), polynomial, value);
+            const auto n = static_cast<Real>(l);
+            const auto next = hn::Mul(hn::Set(d, 1 / (n + 1)), hn::MulSub(hn::Mul(hn::Set(d, 2 * n + 1), cosine),
+                                                                          polynomial, hn::Mul(hn::Set(d, n), before)));
+            before = polynomial;
+            polynomial = next;
         }
         hn::StoreU(value, d, row + m);
-        sum = hn::MulAdd(value, hn::LoadU(d, ordinates.weightRow.data() + m), sum);
     }
-    return hn::GetLane(hn::SumOfLanes(d, sum));
 }
 
 HWY_ATTR Real weightedSum(const Ordinates& ordinates, const Real* a, const Real* b) {
@@ -106,7 +99,7 @@ HWY_EXPORT(weightedSum);
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr std::size_t kMost = 256;  // most ordinates
+constexpr std::size_t kMost = 256, kMostResolved = 32;  // most ordinates, and moments
 
 struct Node {
     double cosine, weight;  // weights sum to 2
@@ -146,14 +139,16 @@ std::vector<int> anglesOf(int count) {
     }
 }
 
-double meanCosine(const Phase& phase) {
-    switch (phase.type) {
-        case PhaseType::twoLobe:
-            return (1 - phase.blend) * phase.g + phase.blend * phase.g2;
-        case PhaseType::rayleigh:
-            return 0;
-        default:
-            return phase.g;
+// Calls term(l, P_l(cosine)) for the first `count` Legendre polynomials.
+template <class Term>
+void forPolynomials(std::size_t count, double cosine, const Term& term) {
+    double before = 0, polynomial = 1;
+    for (std::size_t l = 0; l < count; ++l) {
+        term(l, polynomial);
+        const auto n = static_cast<double>(l);
+        const double next = ((2 * n + 1) * cosine * polynomial - n * before) / (n + 1);
+        before = polynomial;
+        polynomial = next;
     }
 }
 
@@ -189,37 +184,34 @@ int nearestOrdinate(const Ordinates& ordinates, const Vec3& direction) {
     return best;
 }
 
-std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const Phase& phase) {
-    const auto count = std::size_t(ordinates.count());
-    const double g = meanCosine(phase);
-    // The matrix has the phase function's values for other ordinates, scaled by d_n d_m. Straight on, where the value
-    // is least certain, it has whatever gives the right mean cosine.
-    std::vector<double> p(count * count), straight(count), scale(count, 1.0);
-    for (std::size_t n = 0; n < count; ++n) {
-        double sum = 0, along = 0;
-        for (std::size_t m = 0; m < count; ++m) {
-            if (m == n) continue;
-            const double cosine = glm::dot(ordinates.directions[n], ordinates.directions[m]);
-            p[n * count + m] = phaseValue(phase, cosine);
-            sum += ordinates.weights[m] * p[n * count + m];
-            along += ordinates.weights[m] * p[n * count + m] * cosine;
-        }
-        along /= sum;
-        straight[n] = std::clamp((g - along) / (1 - along), 0.0, 1.0);
+int resolvedMoments(int ordinates) {
+    return 2 * static_cast<int>(anglesOf(ordinates).size());
+}
+
+std::vector<double> legendreMoments(const Phase& phase, int count) {
+    std::vector<double> moments(std::size_t(count), 0.0);
+    for (std::size_t l = 0; l < moments.size(); ++l) {
+        const auto n = static_cast<double>(l);
+        moments[l] = phase.type == PhaseType::rayleigh ? (l == 0   ? 1
+                                                          : l == 2 ? 0.1 * phase.strength
+                                                                   : 0)
+                     : phase.type == PhaseType::twoLobe
+                         ? (1 - phase.blend) * std::pow(phase.g, n) + phase.blend * std::pow(phase.g2, n)
+                         : std::pow(phase.g, n);
     }
-    // Sinkhorn's iteration, in its symmetric form.
-    for (int step = 0; step < 100; ++step)
-        for (std::size_t n = 0; n < count; ++n) {
-            double sum = 0;
-            for (std::size_t m = 0; m < count; ++m)
-                if (m != n) sum += ordinates.weights[m] * scale[m] * p[n * count + m];
-            scale[n] = std::sqrt(scale[n] * (1 - straight[n]) / sum);
-        }
+    return moments;
+}
+
+std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const std::vector<double>& moments) {
+    const auto count = std::size_t(ordinates.count());
     std::vector<Real> out(count * count);
     for (std::size_t n = 0; n < count; ++n)
-        for (std::size_t m = 0; m < count; ++m)
-            out[n * count + m] =
-                static_cast<Real>(m == n ? straight[n] : ordinates.weights[n] * scale[n] * scale[m] * p[n * count + m]);
+        for (std::size_t m = 0; m < count; ++m) {
+            double value = 0;
+            forPolynomials(moments.size(), glm::dot(ordinates.directions[n], ordinates.directions[m]),
+                           [&](std::size_t l, double p) { value += (2 * double(l) + 1) * moments[l] * p; });
+            out[n * count + m] = static_cast<Real>(ordinates.weights[n] * value / (4 * kPi));
+        }
     return out;
 }
 
@@ -250,9 +242,11 @@ void mixOrdinates(const std::vector<std::vector<Real>>& matrices, const std::vec
     }
 }
 
-void scatteringRow(const Ordinates& ordinates, const Phase& phase, const Vec3& travel, Real* row, Simd simd) {
-    const Real sum = SCRIM_ON_TARGET(simd, fillRow)(ordinates, phase, travel, row);
-    for (std::size_t m = 0; m < std::size_t(ordinates.count()); ++m) row[m] /= sum;
+void scatteringRow(const Ordinates& ordinates, const std::vector<double>& moments, const Vec3& travel, Real* row,
+                   Simd simd) {
+    std::array<Real, kMostResolved> scaled;
+    for (std::size_t l = 0; l < moments.size(); ++l) scaled[l] = static_cast<Real>(moments[l] / (4 * kPi));
+    SCRIM_ON_TARGET(simd, fillRow)(ordinates, scaled.data(), moments.size(), travel, row);
 }
 
 Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd) {
@@ -266,27 +260,6 @@ constexpr int kDepths = 64, kAngles = 256;
 constexpr double kLeastMoment = 1e-4;
 constexpr int kMostMoments = 400;
 
-// The mean cosine of the narrowest lobe that the ordinates must resolve. Measured on smoke lit from behind and from the
-// side, g = 0.75 and 0.9: with narrower lobes, smoke is too bright where the eye looks near the light; with wider ones,
-// which send more light straight on, light is carried too far.
-double narrowestLobe(int ordinates) {
-    return ordinates <= 64 ? 0.6 : ordinates <= 128 ? 0.7 : 0.85;
-}
-
-// The Legendre moments of a phase function: g^l for Henyey and Greenstein's.
-struct Moments {
-    const Phase& phase;
-    double first = 1, second = 1;
-
-    double value() const {
-        return phase.type == PhaseType::twoLobe ? (1 - phase.blend) * first + phase.blend * second : first;
-    }
-    void next() {
-        first *= phase.g;
-        second *= phase.g2;
-    }
-};
-
 // The phase function with its narrowest lobes widened. Narrower ones are like a line here, forwards and backwards, and
 // would only cause divisions by zero.
 Phase heldLobes(Phase phase) {
@@ -298,43 +271,35 @@ Phase heldLobes(Phase phase) {
 
 }  // namespace
 
-SplitPhase::SplitPhase(const Phase& given, int ordinates) : m_spread(heldLobes(given)) {
-    const Phase phase = m_spread;
+SplitPhase::SplitPhase(const Phase& given, int ordinates) {
+    constexpr double kLittle = 1e-3;  // what goes straight on below this is not worth a table
+    const Phase phase = heldLobes(given);
+    const int resolved = resolvedMoments(ordinates);
+    m_spread = m_whole = legendreMoments(phase, resolved);
     if (phase.type == PhaseType::rayleigh) return;
-    // For a lobe with mean cosine g, the fraction f goes straight on and the rest has w: f + (1 - f) w = g.
-    const double w = narrowestLobe(ordinates);
-    const auto straightOf = [&](double g) { return g > w ? (g - w) / (1 - w) : 0.0; };
-    m_straight = straightOf(phase.g);
-    m_spread.g = std::min(phase.g, w);
-    if (phase.type == PhaseType::twoLobe) {
-        const double second = straightOf(phase.g2);
-        m_straight += phase.blend * (second - m_straight);
-        m_spread.g2 = std::min(phase.g2, w);
-        m_spread.blend = phase.blend * (1 - second) / (1 - m_straight);
-    }
+    // Light goes straight on forwards only: what is left of backward lobes is cut off.
+    const Phase forwards{std::max(phase.g, 0.0), phase.type, std::max(phase.g2, 0.0), phase.blend};
+    m_straight = legendreMoments(forwards, resolved + 1).back();
+    if (m_straight < kLittle) m_straight = 0;
     if (m_straight == 0) return;
+    for (double& moment : m_spread) moment = (moment - m_straight) / (1 - m_straight);
+    const std::vector<double> all = legendreMoments(phase, kMostMoments);
     m_table.resize(std::size_t(kDepths) * kAngles);
     parallelFor(kDepths, [&](std::size_t i) {
         const double part = double(i) / (kDepths - 1);
         const double depth = i + 1 < kDepths ? part / (1 - part) : 1e6;
         std::vector<double> weights;
-        for (Moments all{phase}, wide{m_spread}; weights.size() < kMostMoments; all.next(), wide.next()) {
-            const double narrow = (all.value() - (1 - m_straight) * wide.value()) / m_straight;
-            const auto l = static_cast<double>(weights.size());
-            weights.push_back((2 * l + 1) / (4 * std::numbers::pi) * all.value() *
+        for (std::size_t l = 0; l < all.size(); ++l) {
+            const double narrow = l < m_spread.size() ? 1 : all[l] / m_straight;
+            weights.push_back(double(2 * l + 1) / (4 * kPi) * all[l] *
                               (std::exp(depth * (narrow - 1)) - std::exp(-depth)));
-            if (std::abs(all.value()) * (2 * l + 1) < kLeastMoment) break;
+            if (l > m_spread.size() && std::abs(all[l]) * double(2 * l + 1) < kLeastMoment) break;
         }
         for (int a = 0; a < kAngles; ++a) {
-            const double sine = double(a) / (kAngles - 1), cosine = 1 - 2 * sine * sine;
-            double sum = 0, before = 0, polynomial = 1;
-            for (std::size_t l = 0; l < weights.size(); ++l) {
-                sum += weights[l] * polynomial;
-                const auto n = static_cast<double>(l);
-                const double next = ((2 * n + 1) * cosine * polynomial - n * before) / (n + 1);
-                before = polynomial;
-                polynomial = next;
-            }
+            const double sine = double(a) / (kAngles - 1);
+            double sum = 0;
+            forPolynomials(weights.size(), 1 - 2 * sine * sine,
+                           [&](std::size_t l, double p) { sum += weights[l] * p; });
             m_table[i * kAngles + std::size_t(a)] = static_cast<float>(sum);
         }
     });

@@ -36,11 +36,18 @@ Ordinates ordinates(int count);
 /// The index of the ordinate closest to a unit vector.
 int nearestOrdinate(const Ordinates& ordinates, const Vec3& direction);
 
+/// The first `count` Legendre moments of a phase function: g^l for Henyey and Greenstein's.
+std::vector<double> legendreMoments(const Phase& phase, int count);
+
+/// The number of moments that ordinates resolve: products of two Legendre series of so many terms are integrated
+/// exactly.
+int resolvedMoments(int ordinates);
+
 /// The radiance scattered into each ordinate from unit radiance along each other one, times that one's weight: the
-/// value at [n count + m] is w_n p(n -> m). Rows and columns sum to one, so that energy is conserved and uniform
-/// radiance stays uniform. The mean cosine is the phase function's: a lobe narrower than the spacing of ordinates keeps
-/// its light nearly straight on.
-std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const Phase& phase);
+/// value at [n count + m] is w_n p(n -> m), where p has Legendre moments `moments`, at most resolvedMoments(). The
+/// quadrature integrates it exactly, so rows and columns sum to one: energy is conserved, and uniform radiance stays
+/// uniform. All moments are those of the phase function.
+std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const std::vector<double>& moments);
 
 // Scattering between ordinates is the most expensive part of media that are not isotropic: from all ordinates to all,
 // and from or to a direction that is not an ordinate.
@@ -50,19 +57,19 @@ std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const Phase& phas
 void mixOrdinates(const std::vector<std::vector<Real>>& matrices, const std::vector<std::vector<Real>>& shares,
                   std::size_t begin, std::size_t end, std::size_t count, Real* rows, Simd simd);
 
-/// The phase function for light that travels along `travel` (unit) and is scattered into each ordinate, scaled so that
-/// its sum with the ordinates' weights is one. Since p is symmetric in its two directions, these values times the
-/// weights are also what a ray along `travel` gathers from all ordinates.
-void scatteringRow(const Ordinates& ordinates, const Phase& phase, const Vec3& travel, Real* row, Simd simd);
+/// The phase function with Legendre moments `moments` for light that travels along `travel` (unit) and is scattered
+/// into each ordinate; the sum with the ordinates' weights is one. Since p is symmetric in its two directions, these
+/// values times the weights are also what a ray along `travel` gathers from all ordinates. A series may go below zero.
+void scatteringRow(const Ordinates& ordinates, const std::vector<double>& moments, const Vec3& travel, Real* row,
+                   Simd simd);
 
 /// The weighted sum of a row of radiance along ordinates.
 Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd);
 
 /// Splits a phase function whose lobes are too narrow for the ordinates: part of the light continues straight on as if
-/// it had not been scattered, the rest scatters into a wider lobe, and the mean cosine is preserved (J. H. Joseph, W.
-/// J. Wiscombe and J. A. Weinman, The Delta-Eddington Approximation, J. Atmos. Sci. 33, 1976). The light of a beam that
-/// continued straight on is shown to the eye without this approximation of its directions, because the eye is sensitive
-/// to them.
+/// it had not been scattered, and all moments that the ordinates resolve are preserved (W. J. Wiscombe, The Delta-M
+/// Method, J. Atmos. Sci. 34, 1977). The light of a beam that continued straight on is shown to the eye without this
+/// approximation of its directions, because the eye is sensitive to them.
 class SplitPhase {
   public:
     /// Splits `phase` for a solve with `ordinates` directions.
@@ -70,20 +77,22 @@ class SplitPhase {
 
     /// The fraction of scattered light that continues straight on, in [0, 1).
     double straight() const { return m_straight; }
-    /// The phase function of the rest.
-    const Phase& spread() const { return m_spread; }
+    /// The moments of the rest.
+    const std::vector<double>& spread() const { return m_spread; }
+    /// The moments of both that the ordinates resolve.
+    const std::vector<double>& whole() const { return m_whole; }
 
     /// The light of a beam, relative to the beam, that was scattered before and is now scattered, per steradian, in a
     /// direction at cosine `cosTheta` to the beam. The beam has passed the optical depth `depth` of scattering straight
     /// on. In the solve it is as narrow as before, but its true light is not: each time, it is spread by the phase
-    /// function minus the wider lobe. In Legendre's polynomials the repeated spreading is a product, and the sum over
-    /// the number of times is an exponential. The difference of the two lobes may be below zero far from the beam, and
-    /// then so is the result; this preserves its sum.
+    /// function minus its moments in `spread`. In Legendre's polynomials the repeated spreading is a product, and the
+    /// sum over the number of times is an exponential. The difference may be below zero far from the beam, and then so
+    /// is the result; this preserves its sum.
     double scatteredAgain(double depth, double cosTheta) const;
 
   private:
     double m_straight = 0;
-    Phase m_spread;
+    std::vector<double> m_spread, m_whole;
     std::vector<float> m_table;  // over depth and angle, see ordinates.cpp
 };
 

@@ -25,6 +25,12 @@ Rgb colourOf(const ViewScene& scene, const ScatterTarget& target) {
     return Rgb(1);
 }
 
+// True if light of the target comes in from outside of the cells.
+bool comesIn(const ViewScene& scene, const ScatterTarget& target) {
+    return target.ambient || std::any_of(target.lights.begin(), target.lights.end(),
+                                         [&](int light) { return scene.lights[std::size_t(light)].dome(); });
+}
+
 class ScatteredLight {
   public:
     ScatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
@@ -39,10 +45,14 @@ class ScatteredLight {
   private:
     void solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint);
-    void keep(const ViewScene& scene, const TransportSolver& solver, const Phase& phase, const Real* straight,
+    void keep(const ViewScene& scene, const TransportSolver& solver, const SplitPhase& phase, const Real* straight,
               const Ordinates& ordinates, Simd simd, const Rgb& colours, CellField& field) const;
+    std::vector<Real> scatteredOnce(const CellMedia& media, const std::vector<ScatterClass>& classes, int colour,
+                                    const Ordinates& directions, Simd simd, const TransportSolver& solver) const;
     void extrapolate(const ViewScene& scene, const TransportPlan& plan, Simd simd,
                      const std::function<void()>& checkpoint);
+    // Takes what has not scattered before out of the fields.
+    void separate();
     void fillBorders(const TransportSolver& solver, CellField& field) const;
 
     std::shared_ptr<const CellGrid> m_grid;
@@ -50,6 +60,8 @@ class ScatteredLight {
     std::vector<int> m_classOf;  // class of each volume of the scene; -1: none
     std::size_t m_classes = 0;
     std::vector<std::shared_ptr<CellField>> m_fields;  // [target][class]
+    // Likewise, what of it comes in from outside and has not scattered before; null: nothing, or nobody asks for it.
+    std::vector<std::shared_ptr<CellField>> m_unscattered;
     Solved m_solved;
     std::size_t m_bytes = 0;
 };
@@ -62,48 +74,105 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
     m_classOf.assign(scene.volumes.size(), -1);
     for (std::size_t k = 0; k < classes.size(); ++k)
         for (const int volume : classes[k].volumes) m_classOf[std::size_t(volume)] = static_cast<int>(k);
-    const CellMedia media = cellMedia(scene, classes, plan.edge, Vec3(0), 0, true);
+    const CellMedia media = cellMedia(scene, classes, plan.edge, simd, Vec3(0), 0, true);
     m_grid = std::make_shared<const CellGrid>(media.grid);
-    for (std::size_t i = 0; i < m_targets.size() * m_classes; ++i)
-        m_bytes += m_fields.emplace_back(std::make_shared<CellField>(m_grid, 3))->bytes();
+    const bool apart = wants(scene, Layer::indirect);
+    for (const ScatterTarget& target : m_targets)
+        for (std::size_t k = 0; k < m_classes; ++k) {
+            m_bytes += m_fields.emplace_back(std::make_shared<CellField>(m_grid, 3))->bytes();
+            auto& unscattered = m_unscattered.emplace_back();
+            if (apart && comesIn(scene, target)) unscattered = std::make_shared<CellField>(m_grid, 3);
+            if (unscattered) m_bytes += unscattered->bytes();
+        }
     if (m_grid->cells() > 0) solve(scene, media, classes, plan, simd, checkpoint);
     m_bytes += media.bytes();
     if (m_grid->cells() > 0 && !plan.coarse && m_grid->sides() == 0) extrapolate(scene, plan, simd, checkpoint);
+    if (!plan.coarse) separate();
 }
 
+// Light travels between lights, volumes that scatter fully, and the eye; on its way volumes that scatter once may
+// scatter it, but once. So a second solve begins with what these make of the first one, and only the others show it.
 void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                            const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint) {
     const Ordinates directions = ordinates(plan.ordinates);
-    const auto enters = [&](const ScatterTarget& target) {
-        return target.ambient || std::any_of(target.lights.begin(), target.lights.end(),
-                                             [&](int light) { return scene.lights[std::size_t(light)].dome(); });
-    };
-    const bool walls = media.grid.hasWalls() && std::any_of(m_targets.begin(), m_targets.end(), enters);
+    const bool walls =
+        media.grid.hasWalls() && std::any_of(m_targets.begin(), m_targets.end(),
+                                             [&](const ScatterTarget& target) { return comesIn(scene, target); });
     TransportSolver solver(media, classes,
                            {directions, scene.dials.scatterError, 60, true, simd, checkpoint,
                             walls ? bordersOpen(media.grid, directions) : std::vector<std::uint8_t>()});
     m_bytes += solver.bytes();
     for (std::size_t t = 0; t < m_targets.size(); ++t) {
         const Rgb shared = colourOf(scene, m_targets[t]);
-        const int brightest = shared.x >= shared.y && shared.x >= shared.z ? 0 : shared.y >= shared.z ? 1 : 2;
+        const int brightest = axisOfLargest(shared);
         for (int c = 0; c < plan.colours; ++c) {
             const int colour = plan.colours == 1 ? brightest : c;
             const std::vector<std::vector<Real>> straight =
-                fillSource(scene, media, classes, m_targets[t], colour, directions, simd, solver);
-            m_solved += solver.solve(std::size_t(colour), inflowOf(scene, m_targets[t], directions, colour));
+                fillSource(scene, media, classes, m_targets[t], colour, directions, simd, false, solver);
+            const std::vector<Real> inflow = inflowOf(scene, m_targets[t], directions, colour);
+            m_solved += solver.solve(std::size_t(colour), inflow);
             Rgb colours(0);
             colours[colour] = 1;
             if (plan.colours == 1) colours = shared / shared[brightest];
-            for (std::size_t k = 0; k < m_classes; ++k)
-                keep(scene, solver, classes[k].phase, straight.empty() ? nullptr : straight[k].data(), directions, simd,
-                     colours, *m_fields[t * m_classes + k]);
+            enum { full = 1, once = 2 };
+            const auto keepIn = [&](const std::vector<std::shared_ptr<CellField>>& fields, int which, bool beams,
+                                    double factor) {
+                for (std::size_t k = 0; k < m_classes; ++k)
+                    if ((which & (classes[k].once ? once : full)) != 0)
+                        keep(scene, solver, classes[k].split,
+                             beams && !straight.empty() && !classes[k].once ? straight[k].data() : nullptr, directions,
+                             simd, factor * colours, *fields[t * m_classes + k]);
+            };
+            keepIn(m_fields, full | once, true, 1);
+            const std::vector<Real> again = scatteredOnce(media, classes, colour, directions, simd, solver);
+            const bool apart = !inflow.empty() && m_classes > 0 && m_unscattered[t * m_classes];
+            if (!inflow.empty() && (apart || !again.empty())) {
+                solver.solveUnscattered(inflow);
+                if (apart) keepIn(m_unscattered, full, false, 1);
+                keepIn(m_fields, once, false, -1);  // they see it as a medium that scatters once does
+            }
+            if (again.empty()) continue;
+            fillSource(scene, media, classes, m_targets[t], colour, directions, simd, true, solver);
+            std::vector<Real>& source = solver.source();
+            for (std::size_t i = 0; i < again.size(); ++i) source[i] += again[i];
+            m_solved += solver.solve(std::size_t(colour), {});
+            keepIn(m_fields, full, false, 1);
         }
-        for (std::size_t k = 0; k < m_classes; ++k) fillBorders(solver, *m_fields[t * m_classes + k]);
+        for (std::size_t f = t * m_classes; f < (t + 1) * m_classes; ++f)
+            for (const auto& field : {m_fields[f], m_unscattered[f]})
+                if (field) fillBorders(solver, *field);
     }
 }
 
+// What classes that scatter once make of a solve's radiance, as a source; empty if there are none of them.
+std::vector<Real> ScatteredLight::scatteredOnce(const CellMedia& media, const std::vector<ScatterClass>& classes,
+                                                int colour, const Ordinates& directions, Simd simd,
+                                                const TransportSolver& solver) const {
+    const std::size_t values = solver.valuesPerRow();
+    std::vector<Real> source;
+    for (std::size_t k = 0; k < m_classes; ++k) {
+        if (!classes[k].once) continue;
+        source.resize(solver.rows() * values, Real(0));
+        std::vector<std::vector<Real>> matrix;
+        if (!solver.isotropic()) matrix.push_back(scatteringMatrix(directions, classes[k].split.whole()));
+        const std::vector<Real>& scattering = media.scatteringOf(k, std::size_t(colour));
+        parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
+            std::vector<Real> row(values);
+            for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
+                const std::int32_t at = solver.rowOf(cell);
+                if (at < 0 || scattering[cell] == 0) continue;
+                std::copy_n(solver.radiance().data() + std::size_t(at) * values, values, row.data());
+                if (!matrix.empty()) mixOrdinates(matrix, {}, 0, 1, values, row.data(), simd);
+                for (std::size_t m = 0; m < values; ++m)
+                    source[std::size_t(at) * values + m] += scattering[cell] * row[m];
+            }
+        });
+    }
+    return source;
+}
+
 // Adds what the eye sees of a solve to a field, for the cells inside of blocks.
-void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver, const Phase& phase,
+void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver, const SplitPhase& phase,
                           const Real* straight, const Ordinates& directions, Simd simd, const Rgb& colours,
                           CellField& field) const {
     const std::size_t values = solver.valuesPerRow();
@@ -116,12 +185,14 @@ void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver,
             const Real* radiance = solver.radiance().data() + std::size_t(at) * values;
             double seen = double(*radiance);
             if (!solver.isotropic()) {
-                scatteringRow(directions, phase, travelToEye(scene.camera, m_grid->wsCenter(cell)), row.data(), simd);
+                scatteringRow(directions, phase.whole(), travelToEye(scene.camera, m_grid->wsCenter(cell)), row.data(),
+                              simd);
                 seen = double(gathered(directions, row.data(), radiance, simd));
             }
-            if (straight) seen = std::max(seen + double(straight[at]), 0.0);
+            if (straight) seen += double(straight[at]);
+            seen = std::max(seen, 0.0);  // series and differences may go below zero
             Real* to = field.cell(cell);
-            for (int c = 0; c < 3; ++c) to[c] += static_cast<Real>(colours[c] * seen);
+            for (int c = 0; c < 3; ++c) to[c] = std::max(to[c] + static_cast<Real>(colours[c] * seen), Real(0));
         }
     });
 }
@@ -164,9 +235,13 @@ void ScatteredLight::fillBorders(const TransportSolver& solver, CellField& field
 std::vector<CellLight> ScatteredLight::lights() const {
     std::vector<CellLight> all;
     for (std::size_t t = 0; t < m_targets.size(); ++t) {
-        CellLight& light = all.emplace_back(CellLight{m_targets[t].output, {}});
-        for (const int cls : m_classOf)
-            light.ofVolume.push_back(cls < 0 ? nullptr : m_fields[t * m_classes + std::size_t(cls)]);
+        const auto add = [&](bool again, const std::vector<std::shared_ptr<CellField>>& fields) {
+            CellLight& light = all.emplace_back(CellLight{m_targets[t].output, again, {}});
+            for (const int cls : m_classOf)
+                light.ofVolume.push_back(cls < 0 ? nullptr : fields[t * m_classes + std::size_t(cls)]);
+        };
+        add(true, m_fields);
+        if (m_classes > 0 && m_unscattered[t * m_classes]) add(false, m_unscattered);
     }
     return all;
 }
@@ -185,21 +260,36 @@ void ScatteredLight::extrapolate(const ViewScene& scene, const TransportPlan& pl
     larger.edge = 2 * plan.edge;
     const ScatteredLight twice(scene, larger, simd, checkpoint);
     m_solved += twice.m_solved;
-    for (std::size_t f = 0; f < m_fields.size(); ++f)
+    const auto improve = [&](CellField& field, const CellField& coarse) {
         parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
             const Int3 first = m_grid->storedBlocks()[block] * kCellEdge - 1;
             const bool walls = m_grid->walled(block) >= 0;
-            Real* to = m_fields[f]->block(block);
+            Real* to = field.block(block);
             for (std::size_t i = 0; i < kPaddedCells; ++i, to += 3) {
                 const auto n = static_cast<int>(i);
                 const Int3 place =
                     first + Int3(n % kPaddedEdge, n / kPaddedEdge % kPaddedEdge, n / (kPaddedEdge * kPaddedEdge));
                 const Vec3 ws = walls ? m_grid->wsInside(place) : m_grid->wsFromCs(Vec3(place) + 0.5);
                 Real two[3];
-                twice.m_fields[f]->sample(ws, two);
+                coarse.sample(ws, two);
                 for (int c = 0; c < 3; ++c) to[c] = std::clamp(to[c] + kLeft * (to[c] - two[c]), to[c] / 2, 2 * to[c]);
             }
         });
+    };
+    for (std::size_t f = 0; f < m_fields.size(); ++f) improve(*m_fields[f], *twice.m_fields[f]);
+    for (std::size_t f = 0; f < m_unscattered.size(); ++f)
+        if (m_unscattered[f]) improve(*m_unscattered[f], *twice.m_unscattered[f]);
+}
+
+void ScatteredLight::separate() {
+    for (std::size_t f = 0; f < m_unscattered.size(); ++f)
+        for (std::size_t block = 0; m_unscattered[f] && block < m_grid->storedBlocks().size(); ++block) {
+            Real *all = m_fields[f]->block(block), *unscattered = m_unscattered[f]->block(block);
+            for (std::size_t i = 0; i < kPaddedCells * m_fields[f]->colours(); ++i) {
+                unscattered[i] = std::min(unscattered[i], all[i]);
+                all[i] -= unscattered[i];
+            }
+        }
 }
 
 }  // namespace

@@ -71,14 +71,6 @@ std::vector<Real> difference(const std::vector<Real>& a, const std::vector<Real>
 
 }  // namespace
 
-Solved& Solved::operator+=(const Solved& o) {
-    sweeps += o.sweeps;
-    cellDirections += o.cellDirections;
-    change = std::max(change, o.change);
-    converged = converged && o.converged;
-    return *this;
-}
-
 // The cells of one size, with what a solve keeps for them.
 struct TransportSolver::Level {
     CellMedia media;  // on all levels but the first, whose media are the caller's
@@ -143,11 +135,11 @@ class TransportSolver::Anderson {
 
 TransportSolver::TransportSolver(const CellMedia& media, const std::vector<ScatterClass>& classes, Settings settings)
     : m_classes(classes), m_settings(std::move(settings)) {
-    const auto isotropic = [](const ScatterClass& c) { return c.phase.isotropic(); };
-    m_isotropic = std::all_of(classes.begin(), classes.end(), isotropic);
+    m_full = std::size_t(std::count_if(classes.begin(), classes.end(), [](const ScatterClass& c) { return !c.once; }));
+    m_isotropic = std::all_of(classes.begin(), classes.end(), [](const auto& c) { return c.phase.isotropic(); });
     if (!m_isotropic)
-        for (const ScatterClass& cls : classes)
-            m_matrices.push_back(scatteringMatrix(m_settings.ordinates, cls.split.spread()));
+        for (std::size_t k = 0; k < m_full; ++k)
+            m_matrices.push_back(scatteringMatrix(m_settings.ordinates, classes[k].split.spread()));
     m_levels.emplace_back().own = &media;
     while (m_settings.accelerate && !media.grid.hasWalls() && m_levels.size() < kMostLevels &&
            m_levels.back().cells().grid.cells() > kFewestCells) {
@@ -197,22 +189,24 @@ void TransportSolver::chooseColour(Level& level, std::size_t colour) const {
     level.sides.clear();
     for (std::size_t side = 0; side < media.grid.sides(); ++side)
         level.sides.push_back(static_cast<Real>(media.grid.albedoOfSide(side)[int(colour)] / (4 * media.grid.edge())));
-    level.shares.assign(m_classes.size() > 1 ? m_classes.size() : 0, std::vector<Real>(level.rowCount));
+    level.shares.assign(m_full > 1 ? m_full : 0, std::vector<Real>(level.rowCount));
     for (std::size_t row = 0; row < level.rowCount; ++row) {
         const std::size_t cell = level.cellOf[row];
         Real sum = 0;
-        for (std::size_t k = 0; k < m_classes.size(); ++k) sum += media.scatteringOf(k, colour)[cell];
+        for (std::size_t k = 0; k < m_full; ++k) sum += media.scatteringOf(k, colour)[cell];
         level.scattering[row] = sum;
         for (std::size_t k = 0; k < level.shares.size(); ++k)
             level.shares[k][row] =
-                sum > 0 ? media.scatteringOf(k, colour)[cell] / sum : Real(1) / static_cast<Real>(m_classes.size());
+                sum > 0 ? media.scatteringOf(k, colour)[cell] / sum : Real(1) / static_cast<Real>(m_full);
     }
 }
 
+std::vector<Real>& TransportSolver::source() {
+    return m_levels.front().source;
+}
 std::vector<Real>& TransportSolver::clearedSource() {
-    std::vector<Real>& source = m_levels.front().source;
-    std::fill(source.begin(), source.end(), Real(0));
-    return source;
+    std::fill(source().begin(), source().end(), Real(0));
+    return source();
 }
 
 // next = G(x): sweeps what cells emit, and scatters the result. The last time it is not scattered, and negative values
@@ -383,6 +377,12 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     }
     m_solved.converged = m_solved.change <= m_settings.tolerance;
     return m_solved;
+}
+
+void TransportSolver::solveUnscattered(const std::vector<Real>& inflow) {
+    clearedSource();
+    std::fill(m_levels.front().x.begin(), m_levels.front().x.end(), Real(0));
+    sweep(m_levels.front(), inflow.data(), true);
 }
 
 std::size_t TransportSolver::bytes() const {

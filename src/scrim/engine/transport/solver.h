@@ -19,6 +19,7 @@
 #include <scrim/engine/transport/cell_sweep.h>
 #include <scrim/engine/transport/ordinates.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -33,7 +34,13 @@ struct Solved {
     double change = 0;                 ///< relative change of the scattered light by the last sweep
     bool converged = true;
 
-    Solved& operator+=(const Solved& o);
+    Solved& operator+=(const Solved& o) {
+        sweeps += o.sweeps;
+        cellDirections += o.cellDirections;
+        change = std::max(change, o.change);
+        converged = converged && o.converged;
+        return *this;
+    }
 };
 
 class TransportSolver {
@@ -62,11 +69,15 @@ class TransportSolver {
     /// comes one value for each of the grid's sides of walls: the radiance that it sends back of light from lights, as
     /// a mean over the face. The caller adds to it.
     std::vector<Real>& clearedSource();
+    std::vector<Real>& source();
     /// Solves for colour `colour` of the media. `inflow`: radiance along each ordinate from outside of all volumes;
     /// empty: none. Afterwards `radiance()` holds, for each row, the radiance along each ordinate, or its mean over all
     /// directions; never below 0.
     Solved solve(std::size_t colour, const std::vector<Real>& inflow);
     const std::vector<Real>& radiance() const;
+    /// After `solve`, for the same colour: `radiance()` becomes that part of it which comes from outside and has not
+    /// scattered.
+    void solveUnscattered(const std::vector<Real>& inflow);
 
     std::size_t bytes() const;
 
@@ -87,6 +98,7 @@ class TransportSolver {
     const std::vector<ScatterClass>& m_classes;
     Settings m_settings;
     bool m_isotropic;
+    std::size_t m_full = 0;                     // classes before those that scatter once
     std::vector<std::vector<Real>> m_matrices;  // for each class, see scatteringMatrix
     std::vector<Level> m_levels;                // starting with the finest
     std::vector<Real> m_mean, m_scratch;        // memory of sweeps, kept because fresh memory is slow

@@ -11,45 +11,57 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-TEST(SplitPhase, LosesNothingAndKeepsTheMeanCosine) {
-    const Phase two{0.9, PhaseType::twoLobe, -0.3, 0.25};
-    for (const Phase& phase : {Phase{0.75}, Phase{0.9}, Phase{0.3}, Phase{-0.8}, two}) {
+TEST(SplitPhase, LosesNothingAndKeepsAllMomentsThatOrdinatesResolve) {
+    const Phase two{0.9, PhaseType::twoLobe, -0.3, 0.25}, rayleigh{0, PhaseType::rayleigh};
+    for (const Phase& phase : {Phase{0.75}, Phase{0.9}, Phase{0.2}, Phase{-0.8}, two, rayleigh}) {
         const SplitPhase split(phase, 64);
-        const auto cosineOf = [](const Phase& p) {
-            return p.type == PhaseType::twoLobe ? (1 - p.blend) * p.g + p.blend * p.g2 : p.g;
-        };
-        EXPECT_NEAR(split.straight() + (1 - split.straight()) * cosineOf(split.spread()), cosineOf(phase), 1e-12);
-        EXPECT_EQ(split.straight() > 0, phase.g > 0.6);
+        const double f = split.straight();
+        EXPECT_EQ(f > 0, phase.g > 0.5);
+        for (std::size_t l = 0; l < split.spread().size(); ++l) {
+            // The moments of the phase function, by the midpoint rule.
+            double exact = 0;
+            constexpr int kSteps = 20000;
+            for (int i = 0; i < kSteps; ++i) {
+                const double cosine = (i + 0.5) / kSteps * 2 - 1;
+                exact +=
+                    2 * kPi * phaseValue(phase, cosine) * std::legendre(static_cast<unsigned>(l), cosine) * 2 / kSteps;
+            }
+            EXPECT_NEAR(f + (1 - f) * split.spread()[l], exact, 1e-4) << phase.g << " " << l;
+            EXPECT_NEAR(split.whole()[l], exact, 1e-4) << phase.g << " " << l;
+        }
         // Of light that comes a long way all but e^-depth has been scattered.
         for (const double depth : {0.3, 2.0, 20.0}) {
             double sum = 0;
             constexpr int kSteps = 20000;
             for (int i = 0; i < kSteps; ++i)
                 sum += 2 * kPi * split.scatteredAgain(depth, (i + 0.5) / kSteps * 2 - 1) * 2 / kSteps;
-            EXPECT_NEAR(sum, split.straight() > 0 ? 1 - std::exp(-depth) : 0, 0.01) << phase.g << " " << depth;
+            EXPECT_NEAR(sum, f > 0 ? 1 - std::exp(-depth) : 0, 0.01) << phase.g << " " << depth;
         }
     }
 }
 
-// Henyey and Greenstein's functions fold into one another, so light that was scattered n times is a binomial sum of
-// them.
+// Repeated scattering multiplies moments, so light that was scattered n times is a binomial sum: of the phase
+// function's own powers, and of the series of the lobe that is taken away.
 TEST(SplitPhase, SpreadsABeamAsRepeatedScatteringDoes) {
     const Phase phase{0.85};
     const SplitPhase split(phase, 64);
-    const double f = split.straight(), w = split.spread().g;
+    const double f = split.straight();
+    constexpr std::size_t kTerms = 200;
     for (const double depth : {0.2, 1.0, 3.0})
         for (const double cosine : {0.98, 0.8, 0.3, -0.5}) {
-            double sum = 0, poisson = std::exp(-depth);
-            for (int n = 1; n < 25; ++n) {
-                poisson *= depth / n;
-                double binomial = 1;
-                for (int k = 0; k <= n; ++k) {
-                    sum += poisson * binomial * std::pow(-(1 - f), k) / std::pow(f, n) *
-                           phaseValue({std::pow(phase.g, n - k + 1) * std::pow(w, k)}, cosine);
-                    binomial *= double(n - k) / (k + 1);
+            double sum = 0;
+            for (std::size_t l = 0; l < kTerms; ++l) {
+                const double all = std::pow(phase.g, double(l));
+                const double rest = l < split.spread().size() ? split.spread()[l] : 0;
+                double narrow = 1, times = 0, poisson = std::exp(-depth);
+                for (int n = 1; n < 40; ++n) {
+                    poisson *= depth / n;
+                    narrow *= (all - (1 - f) * rest) / f;
+                    times += poisson * narrow;
                 }
+                sum += (2 * double(l) + 1) / (4 * kPi) * all * times * std::legendre(static_cast<unsigned>(l), cosine);
             }
-            EXPECT_NEAR(split.scatteredAgain(depth, cosine), sum, 0.01 * std::abs(sum) + 1e-4)
+            EXPECT_NEAR(split.scatteredAgain(depth, cosine), sum, 0.01 * std::abs(sum) + 2e-3)
                 << depth << " " << cosine;
         }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Other ways to look at the picture: false colours, all layers side by side, and how bright its pixels are.
 
+import { short } from "./values.js";
+
 const STOPS = [-12, 8]; // of the histogram, from 1
 const BINS = 120;
 
@@ -24,7 +26,7 @@ export class Looks {
     /** To be called after each draw that is not quick, with the canvas's place on the page. */
     update(canvas) {
         const { picture, by } = this;
-        by("legend").textContent = { depth: `${short(picture.depths[0])} to ${short(picture.depths[1])}`, transmittance: "0 to 1" }[picture.look] ?? "";
+        by("legend").textContent = { depth: `${short(picture.depths[0], 4)} to ${short(picture.depths[1], 4)}`, transmittance: "0 to 1" }[picture.look] ?? "";
         by("histogram").hidden = !this.isCounting;
         if (this.isCounting) this.#count();
         this.#label(canvas);
@@ -79,8 +81,4 @@ export class Looks {
         context.fillStyle = "#e6e6e6"; // where 1 is, which most views show as white
         context.fillRect((-STOPS[0] / (STOPS[1] - STOPS[0])) * canvas.width, 0, 1, canvas.height);
     }
-}
-
-function short(value) {
-    return String(Number(value.toPrecision(4)));
 }

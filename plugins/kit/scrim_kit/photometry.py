@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How strong a lamp is, by its photometric file (IES LM-63). Scrim reads the directions itself, relative to the largest
+candela value; other programs multiply by candelas."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from .failure import Failure
+
+
+class Photometry:
+    """Candelas of a file of type C, for each horizontal angle those of all vertical ones; angles in degrees."""
+
+    def __init__(self, path: str | Path) -> None:
+        try:
+            text = Path(path).read_text(encoding="latin-1")
+            at = next(i for i, line in enumerate(text.splitlines()) if line.startswith("TILT"))
+            lines = text.splitlines()[at:]
+            words = " ".join(lines[1:]).replace(",", " ").replace("\x1a", " ").split()
+            if lines[0].partition("=")[2].strip() == "INCLUDE":
+                words = words[2 + 2 * int(words[1]) :]
+            factor, vertical, horizontal = float(words[2]), int(words[3]), int(words[4])
+            values = [float(word) for word in words[13 : 13 + vertical + horizontal + vertical * horizontal]]
+            self.vertical = values[:vertical]
+            self.horizontal = values[vertical : vertical + horizontal]
+            rest = values[vertical + horizontal :]
+            self.candelas = [
+                [factor * c for c in rest[h * vertical : (h + 1) * vertical]] for h in range(horizontal)
+            ]
+            self.largest = max(map(max, self.candelas))
+            if any(len(row) != vertical for row in self.candelas) or len(self.candelas) != horizontal:
+                raise ValueError("values are missing")
+        except (OSError, ValueError, IndexError, StopIteration) as error:
+            raise Failure(f"{path}: not a photometric file (IES LM-63): {error}", 3) from error
+
+    @property
+    def power(self) -> float:
+        """The integral of the candelas over all directions, by trapezoids in both angles."""
+        rows = [self._around(v) for v in range(len(self.vertical))]
+        total = 0.0
+        for v in range(len(rows) - 1):
+            # The angle's part of the sphere, weighted towards either of its ends as linear interpolation has it.
+            a, b = (math.radians(x) for x in self.vertical[v : v + 2])
+            first = math.cos(a) - (math.sin(b) - math.sin(a)) / (b - a)
+            second = (math.sin(b) - math.sin(a)) / (b - a) - math.cos(b)
+            total += first * rows[v] + second * rows[v + 1]
+        return total
+
+    def _around(self, v: int) -> float:
+        """Candelas at one vertical angle, integrated over the whole turn."""
+        column = [row[v] for row in self.candelas]
+        if len(column) == 1:
+            return 2 * math.pi * column[0]
+        angles, covered = self.horizontal, self.horizontal[-1] - self.horizontal[0]
+        if covered > 180:  # the last angle may be left out: it is the first
+            angles, column, covered = [*angles, 360.0 + angles[0]], [*column, column[0]], 360.0
+        pairs = zip(zip(angles, angles[1:]), zip(column, column[1:]))
+        return sum(math.radians(b - a) * (p + q) / 2 for (a, b), (p, q) in pairs) * 360 / covered

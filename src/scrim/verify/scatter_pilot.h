@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Estimates the error of multiply scattered light before anything is rendered, and chooses its cells and directions.
+// Two solves in coarse cells, one of them in cells twice as large, show a few rays how much light depends on cells. The
+// moments of the phase functions tell how much of it is scattered more narrowly than directions can resolve.
+#pragma once
+
+#include <scrim/scene/view_scene.h>
+
+#include <array>
+#include <optional>
+#include <string>
+
+namespace scrim {
+
+inline constexpr double kFinestScatterCell = 0.5;  ///< voxels; cells are never chosen finer
+
+/// What the pilot saw. Errors are relative to the mean of all light, and those of means over squares of pixels
+/// (kScatteringMean).
+struct ScatterPilot {
+    double edge = 0;        ///< the edge of the smaller cells, voxels
+    double difference = 0;  ///< RMS over the rays of the difference between the two solves
+    double share = 0;       ///< the part of all light that has scattered more than once
+    /// For each of kOrdinateCounts the part of the scattered light that goes straight on, of the narrowest phase
+    /// function (SplitPhase).
+    std::array<double, 3> straight{};
+    bool wallsSendBack = false;  ///< solids send light back, from spots that few directions blur
+
+    /// The error that cells of `cell` voxels are expected to leave; nine of ten scenes have less.
+    double ofCells(double cell) const;
+    /// Likewise for the i-th of kOrdinateCounts.
+    double ofDirections(std::size_t i) const;
+};
+
+/// No value: no volume scatters light more than once.
+std::optional<ScatterPilot> scatterPilot(const ViewScene& scene);
+
+struct ScatterChoice {
+    double cell = 0;     ///< dial scatter_cell
+    int directions = 0;  ///< dial scatter_directions
+    double expected = 0;
+    std::string why;  ///< a phrase for people, with numbers
+};
+
+/// The largest cells and the fewest directions that should leave no more than `error`, or the finest that are chosen.
+/// What `dials` states is kept.
+ScatterChoice chooseScattering(const ScatterPilot& pilot, const Dials& dials, double error);
+
+}  // namespace scrim

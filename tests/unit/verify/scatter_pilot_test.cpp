@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// The choice of cells and directions by a pilot.
+#include "full_smoke.h"
+#include "support/meshes.h"
+
+#include <scrim/scene/quality.h>
+#include <scrim/verify/promise.h>
+#include <scrim/verify/scatter_pilot.h>
+
+#include <gtest/gtest.h>
+
+namespace scrim::test {
+namespace {
+
+ViewScene smoke(double sigma, double g) {
+    return fullSmoke(20, 44, 32, sigma, g);
+}
+
+TEST(ScatterPilot, IsNoneWhereLightScattersOnce) {
+    ViewScene scene = smoke(0.3, 0);
+    scene.volumes[0].medium.scattering = Scattering::single;
+    EXPECT_FALSE(scatterPilot(scene));
+}
+
+TEST(ScatterPilot, SeesThatDenseSmokeNeedsFinerCells) {
+    const auto thin = scatterPilot(smoke(0.1, 0)), dense = scatterPilot(smoke(1.5, 0));
+    ASSERT_TRUE(thin && dense);
+    EXPECT_GT(dense->difference, 1.5 * thin->difference);
+    EXPECT_GT(dense->share, thin->share);
+    EXPECT_LT(chooseScattering(*dense, {}, 0.02).cell, chooseScattering(*thin, {}, 0.02).cell);
+}
+
+TEST(ScatterPilot, IsThatOfTheWholePictureWhateverTheCropAndTheBrightness) {
+    const ViewScene scene = smoke(0.5, 0.3);
+    ViewScene other = scene;
+    other.region = {3, 4, 9, 11};
+    other.lights[0].intensity *= 7.0;
+    EXPECT_NEAR(scatterPilot(other)->difference, scatterPilot(scene)->difference, 1e-5);
+}
+
+TEST(ScatterChoice, IsFinerForLessError) {
+    const auto pilot = scatterPilot(smoke(0.6, 0.8));
+    double cell = 100;
+    int directions = 0;
+    for (const double error : {0.05, 0.02, 0.01, 0.005}) {
+        const ScatterChoice choice = chooseScattering(*pilot, {}, error);
+        EXPECT_LE(choice.cell, cell);
+        EXPECT_GE(choice.directions, directions);
+        cell = choice.cell;
+        directions = choice.directions;
+    }
+    EXPECT_LT(cell, 2);
+}
+
+TEST(ScatterChoice, TakesMoreDirectionsForNarrowerLobes) {
+    EXPECT_EQ(chooseScattering(*scatterPilot(smoke(0.4, 0)), {}, 0.02).directions, 64);
+    EXPECT_EQ(chooseScattering(*scatterPilot(smoke(0.4, 0.9)), {}, 0.02).directions, 256);
+}
+
+TEST(ScatterChoice, TakesMoreDirectionsWhereWallsSendLightBack) {
+    ViewScene scene = smoke(0.4, 0);
+    const auto directions = [&](const Rgb& albedo) {
+        scene.solids = oneSolid(squareMesh({0, 0, -25}, {0, 0, 1}, 30), false, true, false, albedo);
+        return chooseScattering(*scatterPilot(scene), {}, 0.02).directions;
+    };
+    EXPECT_EQ(directions(Rgb(0)), 64);
+    EXPECT_EQ(directions(Rgb(0.8)), 128);
+}
+
+TEST(ScatterChoice, KeepsWhatTheSceneStates) {
+    ViewScene scene = smoke(0.4, 0.9);
+    scene.dials.scatterCell = 3.5;
+    scene.dials.scatterDirections = 64;
+    const PromisedDials promised = promisedDials(scene, "high");
+    ASSERT_TRUE(promised.scattering);
+    EXPECT_EQ(*promised.dials.scatterCell, 3.5);
+    EXPECT_EQ(*promised.dials.scatterDirections, 64);
+    EXPECT_GT(promised.scattering->choice.expected, promised.scattering->promised);
+    EXPECT_EQ(promised.scattering->promised, promisedScatteringError("high"));
+}
+
+}  // namespace
+}  // namespace scrim::test
