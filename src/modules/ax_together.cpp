@@ -64,7 +64,7 @@ ax::ast::Tree::Ptr Together::rewritten(const std::string& code) const {
         before += fmt::format("{} {} = {}@{};", m_written[i].type, name, one ? "f" : "v", m_written[i].name);
         after += one ? name + "," : fmt::format("{0}.x,{0}.y,{0}.z,", name);
     }
-    for (int size = m_floats; size != 2 && size != 4 && size != 9 && size != 16; ++size) after += "0.0f,";
+    for (int size = m_floats; size != 4 && size != 16; ++size) after += "0.0f,";
     after.pop_back();
     ax::Logger unheard([](const std::string&) {}, [](const std::string&) {});
     const auto parsed =
@@ -137,12 +137,9 @@ bool Together::run(const openvdb::GridPtrVec& grids) const {
                 return voxels(*grid, [&](const auto& b) { return a.hasSameTopology(b); });
             }))
             return false;
-    if (m_floats == 2)
-        runAs<openvdb::math::Vec2<float>>(grids, written);
-    else if (m_floats <= 4)
+    // Each type costs half a minute of compilation.
+    if (m_floats <= 4)
         runAs<openvdb::math::Vec4<float>>(grids, written);
-    else if (m_floats <= 9)
-        runAs<openvdb::math::Mat3<float>>(grids, written);
     else
         runAs<openvdb::math::Mat4<float>>(grids, written);
     return true;

@@ -42,9 +42,7 @@ class Together {
 
   private:
     std::string variable(std::size_t i) const { return fmt::format("scrim_together_{}", i); }
-    const char* type() const {
-        return m_floats == 2 ? "vec2f" : m_floats <= 4 ? "vec4f" : m_floats <= 9 ? "mat3f" : "mat4f";
-    }
+    const char* type() const { return m_floats <= 4 ? "vec4f" : "mat4f"; }
     template <typename Value>
     void runAs(const openvdb::GridPtrVec& grids, const openvdb::GridPtrVec& written) const;
 

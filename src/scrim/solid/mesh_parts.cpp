@@ -68,7 +68,7 @@ TriangleMesh cutTriangles(const TriangleMesh& mesh, double most) {
     TriangleMesh out;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const std::array<Vec3, 3> corners{mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
-        if (glm::cross(corners[1] - corners[0], corners[2] - corners[0]) != Vec3(0)) addCut(corners, most, out);
+        if (mesh.cross(t) != Vec3(0)) addCut(corners, most, out);
     }
     return out;
 }
@@ -80,10 +80,7 @@ std::vector<MeshPart> meshParts(const TriangleMesh& mesh, const Bounds& box, int
     MeshPart pieces;
     if (const std::size_t most = kMostPieces * std::size_t(count); mesh.triangles.size() <= most) {
         const TriangleMesh cut = cutTriangles(mesh, places.area() / (4.0 * count));
-        for (std::size_t t = 0; t < cut.triangles.size(); ++t) {
-            const Vec3 &a = cut.corner(t, 0), &b = cut.corner(t, 1), &c = cut.corner(t, 2);
-            pieces.push_back({(a + b + c) / 3.0, 0.5 * glm::cross(b - a, c - a)});
-        }
+        for (std::size_t t = 0; t < cut.triangles.size(); ++t) pieces.push_back({cut.middle(t), 0.5 * cut.cross(t)});
     } else {
         for (std::size_t i = 0; i < most; ++i) {
             const double across = double(i) / std::numbers::phi;

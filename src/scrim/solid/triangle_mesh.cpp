@@ -15,12 +15,6 @@
 namespace scrim {
 namespace {
 
-// Twice the triangle's area, along its normal.
-Vec3 cross(const TriangleMesh& mesh, std::size_t triangle) {
-    const Vec3& a = mesh.corner(triangle, 0);
-    return glm::cross(mesh.corner(triangle, 1) - a, mesh.corner(triangle, 2) - a);
-}
-
 bool isBefore(const Vec3& a, const Vec3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
@@ -49,6 +43,22 @@ bool isClosed(const TriangleMesh& mesh) {
 
 }  // namespace
 
+Vec3 TriangleMesh::cross(std::size_t triangle) const {
+    const Vec3& a = corner(triangle, 0);
+    return glm::cross(corner(triangle, 1) - a, corner(triangle, 2) - a);
+}
+
+Vec3 TriangleMesh::middle(std::size_t triangle) const {
+    return (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3.0;
+}
+
+Vec3 TriangleMesh::place(std::size_t triangle, const Vec2& square) const {
+    // The root makes places as dense near the first corner as elsewhere.
+    const double root = std::sqrt(square.x);
+    return (1 - root) * corner(triangle, 0) +
+           root * ((1 - square.y) * corner(triangle, 1) + square.y * corner(triangle, 2));
+}
+
 void turnOver(TriangleMesh& mesh) {
     for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
 }
@@ -56,7 +66,7 @@ void turnOver(TriangleMesh& mesh) {
 bool isInsideOut(const TriangleMesh& mesh) {
     double volume = 0;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        volume += glm::dot(mesh.corner(t, 0) - mesh.points.front(), cross(mesh, t));
+        volume += glm::dot(mesh.corner(t, 0) - mesh.points.front(), mesh.cross(t));
     return volume < 0 && isClosed(mesh);
 }
 
@@ -66,8 +76,7 @@ MeshPlaces::MeshPlaces(const TriangleMesh& mesh) : m_mesh(mesh) {
     for (const Vec3& point : mesh.points) box.include(point);
     m_lift = kLift * largest(box.size());
     double area = 0;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        m_areas.push_back(area += 0.5 * glm::length(cross(mesh, t)));
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) m_areas.push_back(area += 0.5 * glm::length(mesh.cross(t)));
 }
 
 MeshPlaces::Place MeshPlaces::at(const Vec2& square) const {
@@ -75,11 +84,9 @@ MeshPlaces::Place MeshPlaces::at(const Vec2& square) const {
     const auto found = std::upper_bound(m_areas.begin(), m_areas.end() - 1, wanted);
     const auto triangle = static_cast<std::size_t>(found - m_areas.begin());
     const double before = triangle == 0 ? 0 : m_areas[triangle - 1], own = m_areas[triangle] - before;
-    // The root makes places in the triangle as dense near the first corner as elsewhere.
-    const double root = std::sqrt(own > 0 ? std::clamp((wanted - before) / own, 0.0, 1.0) : 0.5);
-    const Vec3 &a = m_mesh.corner(triangle, 0), &b = m_mesh.corner(triangle, 1), &c = m_mesh.corner(triangle, 2);
-    const Vec3 normal = glm::normalize(cross(m_mesh, triangle));
-    return {(1 - root) * a + root * ((1 - square.y) * b + square.y * c) + m_lift * normal, normal};
+    const double rest = own > 0 ? std::clamp((wanted - before) / own, 0.0, 1.0) : 0.25;
+    const Vec3 normal = glm::normalize(m_mesh.cross(triangle));
+    return {m_mesh.place(triangle, {rest, square.y}) + m_lift * normal, normal};
 }
 
 }  // namespace scrim

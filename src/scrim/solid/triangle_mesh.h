@@ -17,6 +17,11 @@ struct TriangleMesh {
 
     /// The corner `i` of a triangle.
     const Vec3& corner(std::size_t triangle, std::size_t i) const { return points[triangles[triangle][i]]; }
+    /// Twice the area of a triangle, along its normal.
+    Vec3 cross(std::size_t triangle) const;
+    Vec3 middle(std::size_t triangle) const;
+    /// Maps the unit square to a triangle, evenly by area.
+    Vec3 place(std::size_t triangle, const Vec2& square) const;
     std::size_t bytes() const { return points.size() * sizeof(Vec3) + triangles.size() * sizeof(triangles[0]); }
 };
 

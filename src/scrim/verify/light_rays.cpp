@@ -175,19 +175,17 @@ LightRay LightRays::fromMesh(const Vec3& ws, const Vec2& square) const {
     std::vector<double> sums;
     double sum = 0;
     for (std::size_t t = 0; t < m_mesh.triangles.size(); ++t) {
-        const Vec3 &a = m_mesh.corner(t, 0), &b = m_mesh.corner(t, 1), &c = m_mesh.corner(t, 2);
-        const Vec3 way = ws - (a + b + c) / 3.0;
+        const Vec3 way = ws - m_mesh.middle(t);
         const double r2 = std::max(glm::dot(way, way), 1e-300);
-        sums.push_back(sum += std::max(glm::dot(glm::cross(b - a, c - a), way), 0.0) / (r2 * std::sqrt(r2)));
+        sums.push_back(sum += std::max(glm::dot(m_mesh.cross(t), way), 0.0) / (r2 * std::sqrt(r2)));
     }
     if (!(sum > 0)) return {};
     const auto [t, rest] = find(sums.data(), sums.size(), square.x);
-    const double chance = (sums[t] - (t > 0 ? sums[t - 1] : 0)) / sum, root = std::sqrt(rest);
-    const Vec3 &a = m_mesh.corner(t, 0), &b = m_mesh.corner(t, 1), &c = m_mesh.corner(t, 2);
-    const Vec3 to = (1 - root) * a + root * ((1 - square.y) * b + square.y * c) - ws;
+    const double chance = (sums[t] - (t > 0 ? sums[t - 1] : 0)) / sum;
+    const Vec3 to = m_mesh.place(t, {rest, square.y}) - ws;
     const double distance = glm::length(to);
     if (!(distance > 0) || !(chance > 0)) return {};
-    const double facing = 0.5 * std::max(-glm::dot(glm::cross(b - a, c - a), to), 0.0) / distance;
+    const double facing = 0.5 * std::max(-glm::dot(m_mesh.cross(t), to), 0.0) / distance;
     constexpr double kBefore = 1 - 1e-4;  // so that the triangle is not in the way of its own light
     return {to / distance, kBefore * distance, m_light.intensity * (facing / (chance * distance * distance))};
 }

@@ -9,8 +9,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <openvdb/tools/GridTransformer.h>
-#include <openvdb/tools/Interpolation.h>
 
 namespace scrim {
 namespace {
@@ -67,7 +65,7 @@ typename Grid::Ptr atVoxelsOf(const openvdb::math::Transform& transform, const G
                                std::abs(voxels), kMostVoxels));
     typename Grid::Ptr out = Grid::create(openvdb::zeroVal<typename Grid::ValueType>());
     out->setTransform(transform.copy());
-    openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(grid, *out);
+    interpolateInto(*out, grid);
     return out;
 }
 

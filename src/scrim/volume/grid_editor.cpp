@@ -10,16 +10,12 @@
 
 #include <fmt/format.h>
 #include <openvdb/tools/Clip.h>
-#include <openvdb/tools/GridTransformer.h>
-#include <openvdb/tools/Interpolation.h>
 
 namespace scrim {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Grids that can be cut and refined; nothing else becomes a field. Each type costs half a minute of compilation.
-using NumberGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Vec3SGrid>;
 /// Grids that an expression can make.
 using MadeGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Int32Grid, openvdb::BoolGrid, openvdb::Vec3SGrid>;
 
@@ -69,8 +65,7 @@ void clip(Grid& grid, const Bounds& ws) {
 }
 
 /// The grid with voxels of 1 / factor of the edge, which fill the same space.
-template <typename Grid>
-typename Grid::Ptr refined(const Grid& grid, double factor, const std::string& where) {
+openvdb::GridBase::Ptr refined(const openvdb::GridBase& grid, double factor, const std::string& where) {
     if (!grid.transform().isLinear())
         throw Error(ErrorKind::input,
                     fmt::format("{}: grid '{}' has a transform that is not affine; expected 'resample' for none such",
@@ -79,13 +74,12 @@ typename Grid::Ptr refined(const Grid& grid, double factor, const std::string& w
     if (voxels > kMostVoxels)
         throw Error(ErrorKind::input, fmt::format("{}: grid '{}' would have {:.3g} voxels; expected at most {:g}",
                                                   where, shortened(grid.getName(), 80), voxels, kMostVoxels));
-    typename Grid::Ptr out = Grid::create(grid.background());
-    static_cast<openvdb::MetaMap&>(*out) = grid;  // name and class are metadata
+    const openvdb::GridBase::Ptr out = grid.copyGridWithNewTree();
     const openvdb::math::Transform::Ptr transform = grid.transform().copy();
     transform->preScale(1 / factor);
     transform->preTranslate(openvdb::Vec3d(-(factor - 1) / 2));
     out->setTransform(transform);
-    openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(grid, *out);
+    interpolateInto(*out, grid);
     return out;
 }
 
@@ -197,16 +191,12 @@ void GridEditor::apply(EditedGrids& all, const std::string& file, const MessageS
             if (!grid->isTreeUnique()) grid = grid->deepCopyGrid();
             levelSetIntoFog(*grid, file, messages);
         }
+        if (!offerOf(*grid).isScalar() && !offerOf(*grid).isVector()) continue;  // it cannot become a field
         if (m_edit.clip) {
             if (!grid->isTreeUnique()) grid = grid->deepCopyGrid();
-            grid->apply<NumberGrids>([&](auto& typed) { clip(typed, *m_edit.clip); });
+            grid->apply<FloatGrids>([&](auto& typed) { clip(typed, *m_edit.clip); });
         }
-        if (m_edit.resample != 1) {
-            openvdb::GridBase::Ptr finer;
-            grid->apply<NumberGrids>(
-                [&](const auto& typed) { finer = refined(typed, m_edit.resample, m_edit.where + ": " + file); });
-            if (finer) grid = finer;
-        }
+        if (m_edit.resample != 1) grid = refined(*grid, m_edit.resample, m_edit.where + ": " + file);
     }
     for (const Program& program : m_programs) run(program, all, file, messages);
 }

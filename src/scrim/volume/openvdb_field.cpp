@@ -36,13 +36,6 @@ Int3 fromOpenVdb(const openvdb::Coord& c) {
     return {c.x(), c.y(), c.z()};
 }
 
-/// Runs `task` with the scalar grid in its own type.
-template <typename Task>
-auto withScalarGrid(const openvdb::GridBase& grid, const Task& task) {
-    if (grid.isType<openvdb::FloatGrid>()) return task(static_cast<const openvdb::FloatGrid&>(grid));
-    return task(static_cast<const openvdb::DoubleGrid&>(grid));
-}
-
 template <typename Grid>
 std::vector<const typename Grid::TreeType::LeafNodeType*> leaves(const Grid& grid) {
     std::vector<const typename Grid::TreeType::LeafNodeType*> list;
@@ -64,9 +57,9 @@ void visitTiles(const Grid& grid, const Visit& visit) {
 
 /// The grid resampled on an affine lattice of world-aligned cubes, as large as the smallest edge of a voxel in the
 /// grid's middle.
-template <typename Grid>
-typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const MessageSink& messages) {
-    typename Grid::Ptr out = Grid::create(typename Grid::ValueType(0));
+openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& grid, const std::string& where,
+                                  const MessageSink& messages) {
+    openvdb::FloatGrid::Ptr out = openvdb::FloatGrid::create(0);
     out->setName(grid.getName());
     openvdb::CoordBBox box;
     if (!grid.tree().evalActiveVoxelBoundingBox(box)) return out;
@@ -85,7 +78,7 @@ typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const M
     if (voxels > kMaxResampledVoxels) edge *= std::cbrt(voxels / kMaxResampledVoxels);
 
     out->setTransform(openvdb::math::Transform::createLinearTransform(edge));
-    openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(grid, *out);
+    interpolateInto(*out, grid);
     notify(messages, Severity::info,
            fmt::format("{}: grid '{}' has a transform that is not affine: resampled to voxels of edge {:.4g}", where,
                        shortened(grid.getName(), 80), edge));
@@ -130,43 +123,40 @@ SparseField reportedField(const Grid& grid, const std::string& name, const Numbe
 }
 
 /// Converts a number without changing it.
-constexpr auto kAsItIs = [](auto value) { return static_cast<float>(value); };
+constexpr auto kAsItIs = [](float value) { return value; };
 
-template <typename Grid, typename NumberOf>
-SparseField scalarField(const Grid& grid, const NumberOf& number, const std::string& where,
+template <typename NumberOf>
+SparseField scalarField(const openvdb::GridBase& base, const NumberOf& number, const std::string& where,
                         const MessageSink& messages) {
+    const auto& grid = static_cast<const openvdb::FloatGrid&>(base);
     if (grid.transform().isLinear()) return reportedField(grid, grid.getName(), number, where, messages);
     return reportedField(*resampled(grid, where, messages), grid.getName(), number, where, messages);
 }
 
-/// One component as a separate grid.
-template <typename Grid>
-openvdb::FloatGrid::Ptr componentOf(const Grid& grid, int component, const std::string& name) {
-    const auto out =
-        openvdb::FloatGrid::create(std::make_shared<openvdb::FloatTree>(grid.tree(), 0.0f, openvdb::TopologyCopy()));
-    out->setName(name);
+/// A grid with the same active voxels, to each of whose values `valueOf` is applied.
+template <typename Out, typename Grid, typename ValueOf>
+typename Out::Ptr sameVoxels(const Grid& grid, const ValueOf& valueOf) {
+    const auto zero = openvdb::zeroVal<typename Out::ValueType>();
+    const auto out = Out::create(std::make_shared<typename Out::TreeType>(grid.tree(), zero, openvdb::TopologyCopy()));
+    static_cast<openvdb::MetaMap&>(*out) = grid;  // name and class are metadata
     out->setTransform(grid.transform().copy());
     // Both trees have the same nodes, so their values come in the same order.
     auto to = out->tree().beginValueOn();
-    for (auto from = grid.tree().cbeginValueOn(); from; ++from, ++to)
-        to.setValue(static_cast<float>((*from)[component]));
+    for (auto from = grid.tree().cbeginValueOn(); from; ++from, ++to) to.setValue(valueOf(*from));
     return out;
 }
 
-template <typename Grid, typename NumberOf>
-SparseField componentField(const Grid& grid, int component, const std::string& name, const NumberOf& numberOf,
-                           const std::string& where, const MessageSink& messages) {
-    if (!grid.transform().isLinear())
-        return scalarField(*componentOf(grid, component, name), numberOf, where, messages);
+template <typename NumberOf>
+SparseField componentField(const openvdb::GridBase& base, int component, const std::string& name,
+                           const NumberOf& numberOf, const std::string& where, const MessageSink& messages) {
+    const auto& grid = static_cast<const openvdb::Vec3SGrid&>(base);
+    if (!grid.transform().isLinear()) {
+        const auto one = sameVoxels<openvdb::FloatGrid>(grid, [&](const auto& value) { return value[component]; });
+        one->setName(name);
+        return scalarField(*one, numberOf, where, messages);
+    }
     const auto number = [&](const auto& value) { return numberOf(value[component]); };
     return reportedField(grid, name, number, where, messages);
-}
-
-/// Runs `task` with the vec3 grid in its own type.
-template <typename Task>
-auto withVectorGrid(const openvdb::GridBase& grid, const Task& task) {
-    if (grid.isType<openvdb::Vec3SGrid>()) return task(static_cast<const openvdb::Vec3SGrid&>(grid));
-    return task(static_cast<const openvdb::Vec3DGrid&>(grid));
 }
 
 /// Component `c` of a staggered grid lies half a voxel below the voxel's centre (openvdb/tools/Interpolation.h).
@@ -221,11 +211,20 @@ Statistics statistics(const Grid& grid) {
 
 }  // namespace
 
+void interpolateInto(openvdb::GridBase& out, const openvdb::GridBase& grid) {
+    out.apply<FloatGrids>([&](auto& typed) {
+        using Grid = std::decay_t<decltype(typed)>;
+        openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(static_cast<const Grid&>(grid), typed);
+    });
+}
+
 openvdb::GridBase::Ptr inFloats(openvdb::GridBase::Ptr grid) {
     if (grid->isType<openvdb::DoubleGrid>())
         return std::make_shared<openvdb::FloatGrid>(static_cast<const openvdb::DoubleGrid&>(*grid));
     if (grid->isType<openvdb::Vec3DGrid>())
-        return std::make_shared<openvdb::Vec3SGrid>(static_cast<const openvdb::Vec3DGrid&>(*grid));
+        // OpenVDB converts no vectors.
+        return sameVoxels<openvdb::Vec3SGrid>(static_cast<const openvdb::Vec3DGrid&>(*grid),
+                                              [](const openvdb::Vec3d& value) { return openvdb::Vec3s(value); });
     return grid;
 }
 
@@ -263,49 +262,44 @@ openvdb::FloatGrid::Ptr gridFrom(const SparseField& field) {
 }
 
 void levelSetIntoFog(openvdb::GridBase& grid, const std::string& where, const MessageSink& messages) {
-    if (grid.getGridClass() != openvdb::GRID_LEVEL_SET || !offerOf(grid).isScalar()) return;
-    withScalarGrid(grid, [&](const auto& typed) {
-        using Grid = std::decay_t<decltype(typed)>;
-        openvdb::tools::sdfToFogVolume(static_cast<Grid&>(grid));  // it records that in the grid's class
-    });
+    if (grid.getGridClass() != openvdb::GRID_LEVEL_SET || !grid.isType<openvdb::FloatGrid>()) return;
+    openvdb::tools::sdfToFogVolume(static_cast<openvdb::FloatGrid&>(grid));  // it records that in the grid's class
     notify(messages, Severity::info,
            fmt::format("{}: grid '{}' is a level set: turned into fog of density 1", where,
                        shortened(grid.getName(), 80)));
 }
 
-SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages) {
-    return withScalarGrid(grid, [&](const auto& original) {
-        if (original.getGridClass() != openvdb::GRID_LEVEL_SET) return scalarField(original, kAsItIs, where, messages);
-        const auto fog = original.deepCopy();
-        levelSetIntoFog(*fog, where, messages);
-        return scalarField(*fog, kAsItIs, where, messages);
-    });
+SparseField fieldFromGrid(openvdb::GridBase::Ptr grid, const std::string& where, const MessageSink& messages) {
+    grid = inFloats(std::move(grid));
+    if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) {
+        grid = grid->deepCopyGrid();
+        levelSetIntoFog(*grid, where, messages);
+    }
+    return scalarField(*grid, kAsItIs, where, messages);
 }
 
-SparseField colourFromGrid(const openvdb::GridBase& grid, int component, const std::string& where,
+SparseField colourFromGrid(openvdb::GridBase::Ptr grid, int component, const std::string& where,
                            const MessageSink& messages) {
-    if (component == GridRequest::kScalar)
-        return withScalarGrid(grid, [&](const auto& typed) { return scalarField(typed, kAsItIs, where, messages); });
+    grid = inFloats(std::move(grid));
+    if (component == GridRequest::kScalar) return scalarField(*grid, kAsItIs, where, messages);
     constexpr std::array<const char*, 3> kLetters{".r", ".g", ".b"};
-    const std::string name = grid.getName() + kLetters.at(std::size_t(component));
-    return withVectorGrid(
-        grid, [&](const auto& typed) { return componentField(typed, component, name, kAsItIs, where, messages); });
+    return componentField(*grid, component, grid->getName() + kLetters.at(std::size_t(component)), kAsItIs, where,
+                          messages);
 }
 
-SparseField velocityFromGrid(const openvdb::GridBase& grid, int component, bool negative, const std::string& where,
+SparseField velocityFromGrid(openvdb::GridBase::Ptr grid, int component, bool negative, const std::string& where,
                              const MessageSink& messages) {
+    grid = inFloats(std::move(grid));
     // NaN and infinity pass unchanged, so that cleaning finds them.
-    const auto number = [negative](auto value) {
-        const auto v = static_cast<float>(negative ? -value : value);
+    const auto number = [negative](float value) {
+        const float v = negative ? -value : value;
         return v < 0 ? 0.0f : v;
     };
-    if (component == GridRequest::kScalar)
-        return withScalarGrid(grid, [&](const auto& typed) { return scalarField(typed, number, where, messages); });
+    if (component == GridRequest::kScalar) return scalarField(*grid, number, where, messages);
     constexpr std::array<const char*, 3> kLetters{".x", ".y", ".z"};
-    const std::string name = grid.getName() + kLetters.at(std::size_t(component));
-    SparseField field = withVectorGrid(
-        grid, [&](const auto& typed) { return componentField(typed, component, name, number, where, messages); });
-    if (grid.getGridClass() == openvdb::GRID_STAGGERED && grid.transform().isLinear()) placeOnFaces(field, component);
+    SparseField field = componentField(*grid, component, grid->getName() + kLetters.at(std::size_t(component)), number,
+                                       where, messages);
+    if (grid->getGridClass() == openvdb::GRID_STAGGERED && grid->transform().isLinear()) placeOnFaces(field, component);
     return field;
 }
 
@@ -336,7 +330,9 @@ GridInfo describeGrid(const openvdb::GridBase& grid) {
     info.usable = offerOf(grid).isScalar();
     info.colour = offerOf(grid).isVector();
     if (!info.usable) return info;
-    const Statistics values = withScalarGrid(grid, [](const auto& typed) { return statistics(typed); });
+    const Statistics values = grid.isType<openvdb::FloatGrid>()
+                                  ? statistics(static_cast<const openvdb::FloatGrid&>(grid))
+                                  : statistics(static_cast<const openvdb::DoubleGrid&>(grid));
     info.nonFinite = values.nonFinite;
     info.negative = values.negative;
     if (values.minValue <= values.maxValue) {

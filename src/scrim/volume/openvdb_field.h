@@ -13,6 +13,9 @@
 
 namespace scrim {
 
+/// The types of grids that are computed with. Each costs half a minute of compilation.
+using FloatGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Vec3SGrid>;
+
 /// Gives the grid a name and a place.
 void placeGrid(openvdb::GridBase& grid, const std::string& name, const Mat4& wsFromIs);
 
@@ -22,24 +25,27 @@ openvdb::FloatGrid::Ptr gridFrom(const SparseField& field);
 /// The grid itself, or a copy with floats in place of numbers of double precision.
 openvdb::GridBase::Ptr inFloats(openvdb::GridBase::Ptr grid);
 
+/// Gives `out` the values of `grid` at its own voxels, trilinearly interpolated. Both are of one of `FloatGrids`.
+void interpolateInto(openvdb::GridBase& out, const openvdb::GridBase& grid);
+
 /// The properties of a grid by which a request chooses.
 GridOffer offerOf(const openvdb::GridBase& grid);
 
 /// The field of a scalar grid; `where` (the file) starts every message and error.
-SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages);
+SparseField fieldFromGrid(openvdb::GridBase::Ptr grid, const std::string& where, const MessageSink& messages);
 
-/// Turns a scalar level set into fog in place, with a message; leaves every other grid unchanged.
+/// Turns a level set of floats into fog in place, with a message; leaves every other grid unchanged.
 void levelSetIntoFog(openvdb::GridBase& grid, const std::string& where, const MessageSink& messages);
 
 /// The field of a colour component (0, 1, 2) of a vec3 grid, named as the grid with ".r", ".g" or ".b" added; or of a
 /// scalar grid (kScalar), which may be called a level set without being converted.
-SparseField colourFromGrid(const openvdb::GridBase& grid, int component, const std::string& where,
+SparseField colourFromGrid(openvdb::GridBase::Ptr grid, int component, const std::string& where,
                            const MessageSink& messages);
 
 /// The numbers of a velocity that are above 0, or those below 0 without their sign (`negative`), as a field. It is a
 /// component of a vec3 grid, named with ".x", ".y" or ".z" (placed on the faces of voxels where the grid is staggered),
 /// or a scalar grid (kScalar).
-SparseField velocityFromGrid(const openvdb::GridBase& grid, int component, bool negative, const std::string& where,
+SparseField velocityFromGrid(openvdb::GridBase::Ptr grid, int component, bool negative, const std::string& where,
                              const MessageSink& messages);
 
 /// Describes any grid, with the range of values of scalar ones.

@@ -294,8 +294,10 @@ std::string ParsedVdb::asFile() const {
 
 SparseField ParsedVdb::lastField(const GridRequest& request, const MessageSink& messages) {
     const auto choice = chooseGrid(offers, request);
-    if (choice && grids[choice->grid] && request.part == GridPart::whole && request.component == GridRequest::kScalar)
+    if (choice && grids[choice->grid] && request.part == GridPart::whole && request.component == GridRequest::kScalar) {
+        grids[choice->grid] = inFloats(std::move(grids[choice->grid]));
         levelSetIntoFog(*grids[choice->grid], path, messages);
+    }
     return field(request, messages);
 }
 
@@ -313,9 +315,9 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
                            layout.fileVersion, openvdb::getLibraryVersionString()));
     try {
         if (request.part != GridPart::whole)
-            return velocityFromGrid(*grid, choice->component, request.part == GridPart::negative, path, messages);
-        return request.component == GridRequest::kScalar ? fieldFromGrid(*grid, path, messages)
-                                                         : colourFromGrid(*grid, choice->component, path, messages);
+            return velocityFromGrid(grid, choice->component, request.part == GridPart::negative, path, messages);
+        return request.component == GridRequest::kScalar ? fieldFromGrid(grid, path, messages)
+                                                         : colourFromGrid(grid, choice->component, path, messages);
     } catch (const Error& error) {
         if (error.kind() == ErrorKind::input) throw GridError(error.what(), request);
         throw;

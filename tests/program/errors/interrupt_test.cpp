@@ -71,7 +71,7 @@ class Interrupt : public ProgramTest {
 
 TEST_F(Interrupt, IsAnsweredWithinASecondAtAnyMoment) {
     const char* const asked = std::getenv("SCRIM_INTERRUPT_MOMENTS");
-    const int moments = asked != nullptr ? std::atoi(asked) : 5;
+    const int moments = asked != nullptr ? std::atoi(asked) : 3;
     const auto scenes = heavyScenes();
     const std::set<std::string> before = listing();
     std::mt19937 random(11);

@@ -93,7 +93,7 @@ Drawn drawScene(std::mt19937& random) {
 
 TEST(Sizes, BeyondThirtyTwoBitsAreRenderedOrRefused) {
     const char* const asked = std::getenv("SCRIM_SIZES_RUNS");
-    const int runs = asked ? std::atoi(asked) : 6;
+    const int runs = asked ? std::atoi(asked) : 4;
     std::mt19937 random(2002);
     int rendered = 0, refused = 0, large = 0;
     for (int i = 0; i < runs; ++i) {

@@ -147,11 +147,11 @@ std::vector<Lit> lights() {
             {"sphere", surface({AreaShape::sphere, 0, 0, 6}, {16, -9, 12}, 5)}};
 }
 
-// Their error is of the order of 1 / N: of that of eight sub-lights at most a third is left once there are eight times
+// Their error is of the order of 1 / N: of that of four sub-lights at most a third is left once there are eight times
 // as many, beside what texels, sheets and the truth's own rays leave, which is below a hundredth.
 TEST(ExtendedLights, ConvergeToBruteForceAsSubLightsGetMore) {
     for (const Lit& lit : lights()) {
-        const double coarse = errorWith(lit.light, 8, 40), fine = errorWith(lit.light, 64, 40);
+        const double coarse = errorWith(lit.light, 4, 25), fine = errorWith(lit.light, 32, 25);
         EXPECT_LE(fine, std::max(coarse / 3, 0.01)) << lit.name << ": " << coarse;
         testing::Test::RecordProperty(std::string(lit.name) + "Errors", fmt::format("{} {}", coarse, fine));
     }
@@ -169,7 +169,7 @@ TEST(ExtendedLights, OnCellsConvergeToBruteForceAsTheCellsGetSmaller) {
         double errors[2];
         for (const int halves : {0, 1}) {
             scene.dials.lightCell = halves == 0 ? 2 : 0.5;
-            errors[halves] = errorOf(scene, 40);
+            errors[halves] = errorOf(scene, 25);
         }
         EXPECT_LE(errors[1], std::max(errors[0] / 2, 0.02)) << lit.name;
         EXPECT_LT(errors[1], std::min(errors[0], 0.03)) << lit.name << ": " << errors[0];

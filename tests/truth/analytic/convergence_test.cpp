@@ -21,7 +21,7 @@ ViewScene smokeUnder(const Vec3& lightDirection, double thickness) {
     ViewScene scene = orthographicScene(smokeField(28), medium, 70, 48);
     scene.lights.push_back(distantLight(lightDirection));
     scene.dials.sheetThickness = thickness;
-    scene.dials.footprintSteps = 64;
+    scene.dials.footprintSteps = 32;
     // The smooth kernel: the order is that of the method, not of the tent's kinks.
     scene.dials.kernel = Kernel::bspline;
     return scene;

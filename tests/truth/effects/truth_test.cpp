@@ -219,9 +219,10 @@ TEST(ShadowLinking, HoldsForVolumesThatAreHeldOut) {
 // A lamp on cells would ignore the links, and so would its sub-lights if they did not inherit them.
 TEST(ShadowLinking, HoldsForExtendedLights) {
     ViewScene scene = sceneWith("shadow linking");
-    scene.lights[0].kind = Light::Area{AreaShape::rectangle, 30, 30};
+    scene.lights[0].kind = Light::Area{AreaShape::rectangle, 12, 12};
     scene.lights[0].wsPosition = -60.0 * scene.lights[0].wsDirection;
-    scene.lights[0].intensity *= 4.0;
+    scene.lights[0].intensity *= 25.0;
+    scene.lights[0].samples = 16;
     scene.dials.texel = scene.dials.sheetThickness = 0.7;
     expectConvergence(scene, 12, 1, 0.01);
     EXPECT_EQ(makePlan(scene, 2).cellLights.unfit, "volume 'volume' casts shadows in some lights only");
