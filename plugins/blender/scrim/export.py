@@ -7,7 +7,7 @@ import shutil
 import numpy as np
 
 from . import exr, formulae, meshes, motion, nodes
-from .scrim_kit import Failure, frames, light_laws, ply
+from .scrim_kit import Failure, frames, light_laws, photometry, ply
 from .scrim_kit.names import Names
 
 FRAME = 1  # of the scene: files are those of Blender's frame, and keys are about this one
@@ -63,7 +63,9 @@ class Exporter:
             elif thing.type == "LIGHT" and shown:
                 lights += self.light(thing, key)
             elif thing.type in _SOLIDS and shown:
-                solids += self.solid(thing, key)
+                shown, shining = self.solid(thing, key)
+                solids += shown
+                lights += shining
         lights += self.world(scene.world)
         if not volumes:
             raise Failure("there is no Volume object that Scrim can render in this view layer")
@@ -185,10 +187,12 @@ class Exporter:
             emitted = nodes.light_emission(data)
         except nodes.NotMapped as what:
             self.warn(f"{name}: Scrim does not know {what} (rendered as white of strength 1)")
-            emitted = nodes.WHITE
+            emitted = nodes.Shining(nodes.WHITE)
         warmth = data.temperature_color if getattr(data, "use_temperature", False) else (1, 1, 1)
         strength = light_laws.cycles_strength(data.color, data.energy, getattr(data, "exposure", 0.0), warmth)
-        strength = [s * e for s, e in zip(strength, emitted)]
+        strength = [s * e for s, e in zip(strength, emitted.color)]
+        profile, candelas = self.profile(emitted.profile, data, name)
+        strength = [s * candelas for s in strength]
         if max(strength) <= 0:
             return []
         if self.linked_to_some(thing):
@@ -197,14 +201,14 @@ class Exporter:
         if data.type == "AREA":
             keys = self.area(data, matrix, strength, name)
         else:
-            keys = self.lamp(data, strength, name)
-        out = {"name": self.names.of(thing.name), **keys}
+            keys = self.lamp(data, strength, name, bool(profile))
+        out = {"name": self.names.of(thing.name), **keys, **profile}
         self.light_passes[out["name"]] = thing.name
         if data.type != "SUN":
             out["position"] = self.moves.keyed(key, lambda m: column(m, 3))
-        if data.type != "POINT":
+        if data.type != "POINT" or profile:
             out["direction"] = self.moves.keyed(key, lambda m: [-c for c in column(m, 2)])
-        if keys.get("shape") == "rectangle":
+        if keys.get("shape") == "rectangle" or profile:
             out["up"] = self.moves.keyed(key, lambda m: column(m, 1))
         if not data.use_shadow:
             out["shadows"] = False
@@ -215,13 +219,36 @@ class Exporter:
         linking = getattr(thing, "light_linking", None)
         return linking is not None and bool(linking.receiver_collection or linking.blocker_collection)
 
-    def lamp(self, data, strength, name):
+    def profile(self, node, data, name):
+        """Keys of a light for an IES texture, and the strength of its brightest direction."""
+        if node is None:
+            return {}, 1.0
+        if data.type not in ("POINT", "SPOT"):
+            self.warn(f"{name}: only points and spots have IES textures (rendered without)")
+            return {}, 1.0
+        if node.mode == "INTERNAL":
+            path = os.path.join(self.folder, f"profile{len(self.files)}.ies")
+            with open(path, "w", encoding="latin-1", errors="replace") as file:
+                file.write(node.ies.as_string() if node.ies else "")
+            self.files[path] = path
+        else:
+            path = self.linked(self.abspath(node.filepath, node.id_data.library), "profile")
+        try:
+            largest = photometry.Photometry(path).largest
+        except Failure as error:
+            self.warn(f"{name}: {error} (rendered without)")
+            return {}, 1.0
+        return {"ies": path}, largest * light_laws.CYCLES_WATTS_OF_CANDELA
+
+    def lamp(self, data, strength, name, as_point):
         normalize = getattr(data, "normalize", True)
         if data.type == "SUN":
             return light_laws.cycles_sun(strength, data.angle, normalize, self.before_4)
         radius = data.shadow_soft_size
         if data.type == "POINT":
-            return light_laws.cycles_point(strength, radius, normalize)
+            if as_point and radius > 0:
+                self.warn(f"{name}: the radius of a light with an IES texture is not rendered; its shadows are sharp")
+            return light_laws.cycles_point(strength, radius, normalize, as_point)
         if radius > 0:
             self.warn(f"{name}: the radius of a spot is not rendered; its shadows are sharp")
         if data.use_square:
@@ -272,32 +299,64 @@ class Exporter:
     # Solids
 
     def solid(self, thing, key):
-        holdout, shadows = self.settings.solids != "NONE", thing.visible_shadow
-        if not holdout:
-            return []
+        """([[mesh]]es, [[light]]s) of an object that has a surface."""
+        materials = [slot.material for slot in thing.material_slots]
+        glow = self.glow(thing, materials)
+        shown = self.settings.solids != "NONE"
+        if not shown and not glow:
+            return [], []
         if any(m.type == "FLUID" and m.fluid_type == "DOMAIN" for m in thing.modifiers):
             self.warn(f"'{thing.name}': simulations are rendered from files alone; export its cache as OpenVDB")
-            return []
-        materials = [slot.material for slot in thing.material_slots if slot.material and slot.material.use_nodes]
-        if any(nodes.volume_of(m.node_tree) and not nodes.has_surface(m.node_tree) for m in materials):
+            return [], []
+        trees = [material.node_tree for material in materials if material and material.use_nodes]
+        if any(nodes.volume_of(tree) and not nodes.has_surface(tree) for tree in trees):
             self.warn(f"'{thing.name}': a volume within a mesh is not rendered; use a Volume object")
-            return []
+            return [], []
         mesh = thing.to_mesh()
         try:
             points, corners = meshes.triangles_of(mesh)
+            slots = meshes.materials_of(mesh)
         finally:
             thing.to_mesh_clear()
-        if not len(corners):
-            return []
+        out, lights = [], []
+        for slot, radiance in glow.items():
+            part = corners[slots == slot]
+            if len(part):
+                name = self.names.of(thing.name)
+                self.light_passes[name] = thing.name
+                part = meshes.shining(part, thing.visible_shadow)
+                out.append(self.mesh(thing, key, points, part, holdout=False, shadows=False))
+                keys = {"type": "area", "shape": "mesh", "mesh": out[-1]["name"]}
+                lights.append({"name": name, **keys, **light_laws.shining(radiance, 1.0)})
+        if lights and shown and thing.visible_shadow:
+            self.warn(f"'{thing.name}': it shines, and casts no shadow")
+        holdout = bool(thing.visible_camera and self.settings.solids == "HOLDOUT")
+        shadows = bool(shown and thing.visible_shadow and not lights)
+        if len(corners) and (holdout or shadows):
+            out.append(self.mesh(thing, key, points, corners, holdout=holdout, shadows=shadows))
+        return out, lights
+
+    def mesh(self, thing, key, points, corners, **roles):
         path = os.path.join(self.folder, f"mesh{len(self.files)}.ply")
         self.files[path] = path
         ply.write(path, points, corners)
-        name = f"'{thing.name}'"
-        out = {"name": self.names.of(thing.name), "file": frames.pattern_of(path)}
-        out["transform"] = self.moves.transform(key, self.warn, name)
-        seen = thing.visible_camera
-        out.update(holdout=bool(seen and self.settings.solids == "HOLDOUT"), shadows=bool(shadows))
-        return [out] if out["holdout"] or out["shadows"] else []
+        transform = self.moves.transform(key, self.warn, f"'{thing.name}'")
+        return {"name": self.names.of(thing.name), "file": frames.pattern_of(path), "transform": transform, **roles}
+
+    def glow(self, thing, materials):
+        """The radiance of each material that shines into the smoke, by its slot."""
+        out = {}
+        for slot, material in enumerate(materials):
+            if material is None or not getattr(thing, "visible_volume_scatter", True):
+                continue
+            try:
+                radiance = nodes.mesh_emission(material)
+            except nodes.NotMapped as what:
+                self.warn(f"'{thing.name}' does not shine: Scrim does not know {what}")
+                continue
+            if max(radiance) > 0:
+                out[slot] = radiance
+        return out
 
 
 def resolution(render):

@@ -303,24 +303,71 @@ def default_medium(grids):
     return Medium("density", [0.5] * 3, WHITE)
 
 
+@dataclass
+class Shining:
+    """What a surface or a lamp shines with: `color`, times the candelas of an IES texture where there is one."""
+
+    color: list
+    profile: object = None
+
+
 def light_emission(light):
-    """Colour * strength of a light's nodes: white where it has none. Raises NotMapped."""
+    """That of a light's nodes: white where it has none. Raises NotMapped."""
     if not light.use_nodes or light.node_tree is None:
-        return WHITE
-    return _surface_emission(light.node_tree, "ShaderNodeOutputLight", "ShaderNodeEmission")
-
-
-def _surface_emission(tree, output, kind):
-    end = next((n for n in tree.nodes if n.bl_idname == output and n.is_active_output), None)
-    node, _ = source_of(end.inputs["Surface"]) if end is not None else (None, "")
+        return Shining(WHITE)
+    node = _surface_of(light.node_tree, "ShaderNodeOutputLight")
     if node is None:
-        return BLACK
-    if node.bl_idname != kind:
+        return Shining(BLACK)
+    if node.bl_idname != "ShaderNodeEmission":
         raise NotMapped(f"node '{node.name}'")
-    value = value_of(node.inputs["Strength"]).times(value_of(node.inputs["Color"]))
+    return _shining(node.inputs["Strength"], node.inputs["Color"])
+
+
+def mesh_emission(material):
+    """The radiance of a material's surface, BLACK where it does not shine. Raises NotMapped."""
+    node = _surface_of(material.node_tree, "ShaderNodeOutputMaterial") if material.use_nodes else None
+    if node is None or node.bl_idname not in ("ShaderNodeEmission", "ShaderNodeBsdfPrincipled"):
+        return BLACK
+    if node.bl_idname == "ShaderNodeEmission":
+        strength, color = node.inputs["Strength"], node.inputs["Color"]
+    else:
+        strength = node.inputs["Emission Strength"]
+        color = node.inputs["Emission Color" if "Emission Color" in node.inputs else "Emission"]
+    if not strength.links and float(strength.default_value) <= 0:
+        return BLACK  # whatever feeds its colour
+    emitted = _shining(strength, color)
+    if emitted.profile is not None:
+        raise NotMapped(f"node '{emitted.profile.name}' on a mesh")
+    return emitted.color
+
+
+def _surface_of(tree, output):
+    end = next((n for n in tree.nodes if n.bl_idname == output and n.is_active_output), None)
+    return source_of(end.inputs["Surface"])[0] if end is not None else None
+
+
+def _shining(strength, color):
+    value, profile = _profiled(strength)
+    value = value.times(value_of(color))
     if value.grid:
         raise NotMapped(f"the attribute '{value.grid}'")
-    return value.color
+    return Shining(value.color, profile)
+
+
+def _profiled(socket):
+    """(the value of a socket, the IES texture that it is multiplied by or None)"""
+    node, _ = source_of(socket)
+    kind = node.bl_idname if node is not None else ""
+    if kind == "ShaderNodeTexIES":
+        if node.inputs["Vector"].links:
+            raise NotMapped(f"the vector of node '{node.name}'")
+        return value_of(node.inputs["Strength"]), node
+    if kind == "ShaderNodeMath" and node.operation == "MULTIPLY" and not node.use_clamp:
+        (a, first), (b, second) = _profiled(node.inputs[0]), _profiled(node.inputs[1])
+        if first is not None and second is not None:
+            raise NotMapped(f"the product of nodes '{first.name}' and '{second.name}'")
+        return a.times(b), first if second is None else second
+    return value_of(socket), None
 
 
 @dataclass

@@ -64,12 +64,19 @@ def cycles_sun(strength: Sequence[float], angle: float, normalize: bool = True, 
 
 # scene/light.cpp: 1 / (4 pi) for points without a size; radiance 1 / (4 pi^2 r^2) on a sphere, or 1 / pi if not
 # normalised.
-def cycles_point(strength: Sequence[float], radius: float, normalize: bool = True) -> dict:
-    """A [[light]] of type "point", or a sphere of type "area"."""
-    if radius <= _LEAST:
-        return {"type": "point", **shining(strength, 1 / (4 * math.pi))}
+def cycles_point(
+    strength: Sequence[float], radius: float, normalize: bool = True, as_point: bool = False
+) -> dict:
+    """A [[light]] of type "point", or a sphere of type "area". `as_point`: what the sphere sends from its middle."""
+    if radius <= _LEAST or as_point:
+        intensity = 1 / (4 * math.pi) if normalize or radius <= _LEAST else radius**2
+        return {"type": "point", **shining(strength, intensity)}
     radiance = 1 / (4 * math.pi**2 * radius**2) if normalize else 1 / math.pi
     return {"type": "area", "shape": "sphere", **shining(strength, radiance), "radius": radius}
+
+
+# util/ies.cpp: 4 pi / 177.83 watts a candela, at the luminous efficacy of D65.
+CYCLES_WATTS_OF_CANDELA = 0.0706650768394
 
 
 # kernel/light/spot.h: smoothstep of (cos - cos(size / 2)) / ((1 - cos(size / 2)) * blend). Scrim's fades by the same

@@ -21,7 +21,9 @@ class Photometry:
             words = " ".join(lines[1:]).replace(",", " ").replace("\x1a", " ").split()
             if lines[0].partition("=")[2].strip() == "INCLUDE":
                 words = words[2 + 2 * int(words[1]) :]
-            factor, vertical, horizontal = float(words[2]), int(words[3]), int(words[4])
+            # The multiplier, the ballast's factor, and that of this lamp with it.
+            factor = float(words[2]) * float(words[10]) * float(words[11])
+            vertical, horizontal = int(words[3]), int(words[4])
             values = [float(word) for word in words[13 : 13 + vertical + horizontal + vertical * horizontal]]
             self.vertical = values[:vertical]
             self.horizontal = values[vertical : vertical + horizontal]

@@ -62,6 +62,27 @@ void divide(std::span<MeshPiece> pieces, int parts, std::vector<MeshPart>& out) 
     divide(pieces.subspan(first), parts - lower, out);
 }
 
+// The pieces by the direction they face, if there are few: the sides of a box, or both sides of a sheet, which lie
+// where they would be taken for one part. Otherwise all of them are one facet.
+std::vector<MeshPart> facetsOf(const MeshPart& pieces) {
+    constexpr double kAlike = 0.95;
+    constexpr std::size_t kMostFacets = 12;
+    std::vector<MeshPart> facets;
+    for (const MeshPiece& piece : pieces) {
+        const auto facet = std::ranges::find_if(facets, [&](const MeshPart& other) {
+            const Vec3& a = other.front().area;
+            return glm::dot(a, piece.area) > kAlike * glm::length(a) * glm::length(piece.area);
+        });
+        if (facet != facets.end())
+            facet->push_back(piece);
+        else if (facets.size() < kMostFacets)
+            facets.push_back({piece});
+        else
+            return {pieces};
+    }
+    return facets;
+}
+
 }  // namespace
 
 TriangleMesh cutTriangles(const TriangleMesh& mesh, double most) {
@@ -88,10 +109,18 @@ std::vector<MeshPart> meshParts(const TriangleMesh& mesh, const Bounds& box, int
             pieces.push_back({at, places.area() / double(most) * normal});
         }
     }
-    divide(pieces, count, parts);
-    std::erase_if(parts, [&](const MeshPart& part) {
-        return std::ranges::none_of(part, [&](const MeshPiece& piece) { return faces(piece, box); });
-    });
+    const auto leaveUnseen = [&](std::vector<MeshPart>& some) {
+        std::erase_if(some, [&](const MeshPart& part) {
+            return std::ranges::none_of(part, [&](const MeshPiece& piece) { return faces(piece, box); });
+        });
+    };
+    std::vector<MeshPart> facets = facetsOf(pieces);
+    leaveUnseen(facets);
+    double area = 0;
+    for (const MeshPart& facet : facets) area += areaOf(facet);
+    for (MeshPart& facet : facets)
+        divide(facet, std::max(static_cast<int>(std::lround(count * areaOf(facet) / area)), 1), parts);
+    leaveUnseen(parts);
     return parts;
 }
 

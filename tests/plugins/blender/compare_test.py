@@ -216,6 +216,58 @@ def solid():
     s.place("plane", mesh).is_holdout = True
 
 
+def shining(points, faces, strength):
+    """A mesh that shines, and is not itself in the picture."""
+    mesh = s.bpy.data.meshes.new("shining")
+    mesh.from_pydata(points, [], faces)
+    material = s.bpy.data.materials.new("shining")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    shader, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Emission", "OutputMaterial"))
+    shader.inputs["Strength"].default_value = strength
+    shader.inputs["Color"].default_value = (1.0, 0.7, 0.4, 1)
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    mesh.materials.append(material)
+    thing = s.place("shining", mesh)
+    thing.visible_camera = False
+
+
+def shining_plane():
+    smoke()
+    shining([(1.4, -1.2, -0.4), (1.8, 0.2, -0.3), (1.6, 0.3, 0.8), (1.2, -1.0, 0.9)], [(0, 1, 2, 3)], 8.0)
+
+
+def shining_wedge():
+    """Closed, and outside of the smoke."""
+    smoke()
+    points = [(1.2, -1.4, 0.2), (1.9, -1.0, 0.0), (1.4, -0.6, 0.1), (1.5, -1.0, 1.0)]
+    shining(points, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)], 12.0)
+
+
+def ies():
+    """A luminaire that shines to one side, turned and tilted. Its angles are close, since Cycles has cubic curves
+    between them. Candelas count times the factors of the ballast."""
+    smoke()
+    path = os.path.join(WORK, "side.ies")
+    vertical, horizontal = range(0, 181, 5), range(0, 361, 5)
+    with open(path, "w", encoding="ascii") as file:
+        file.write(f"IESNA91\nTILT=NONE\n1 1000 2 {len(vertical)} {len(horizontal)} 1 2 0.1 0.1 0\n0.8 0.7 10\n")
+        for angles in (vertical, horizontal):
+            file.write(" ".join(map(str, angles)) + "\n")
+        for h in map(math.radians, horizontal):
+            # To its right, and less straight down.
+            row = (110 + 60 * math.cos(v) + 45 * math.sin(v) * math.sin(h) for v in map(math.radians, vertical))
+            file.write(" ".join(f"{candela:.2f}" for candela in row) + "\n")
+    thing = s.light("POINT", (0.9, -1.2, 1.1), target=(0.3, 0.4, -0.8), energy=4.0, shadow_soft_size=0.0)
+    thing.data.use_nodes = True
+    tree = thing.data.node_tree
+    texture = tree.nodes.new("ShaderNodeTexIES")
+    texture.mode, texture.filepath = "EXTERNAL", path
+    shader = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeEmission")
+    tree.links.new(texture.outputs[0], shader.inputs["Strength"])
+
+
 def graph(build):
     """A scene whose volume has that graph of nodes."""
 
@@ -250,6 +302,9 @@ CASES = {
     "orthographic": (orthographic, 48),
     "motion blur of the camera": (motion_blur, 288),
     "a solid, held out": (solid, 72),
+    "a mesh that shines": (shining_plane, 160),
+    "a closed mesh that shines": (shining_wedge, 160),
+    "IES texture": (ies, 96),
     "nodes: Map Range": (graph(graphs.remapped), 72),
     "nodes: ColorRamp": (graph(graphs.ramped), 72),
     "nodes: Noise Texture": (graph(graphs.eroded), 72),

@@ -3,15 +3,17 @@
 # scene out.
 import math
 import os
+import re
 import sys
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from lookalikes import link, node
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "plugins", "blender"))
 from scrim import exr, export, motion  # noqa: E402
-from scrim.scrim_kit import Failure  # noqa: E402
+from scrim.scrim_kit import Failure, photometry  # noqa: E402
 
 UNIT = [[1.0, 0, 0, 0], [0, 1.0, 0, 0], [0, 0, 1.0, 0], [0, 0, 0, 1.0]]
 # Turned by 90 degrees about z, twice as large, at (5, 6, 7)
@@ -323,14 +325,37 @@ class Many(list):
         target[:] = self.values
 
 
-def solid(fixture, camera=True, shadow=True, modifiers=(), corners=(0, 1, 2)):
-    mesh = SimpleNamespace(vertices=Many([0, 0, 0, 1, 0, 0, 0, 1, 0], 3), loop_triangles=Many(list(corners), 3))
+class Triangles(Many):
+    def __init__(self, corners, slots):
+        super().__init__(list(corners), 3)
+        self.slots = list(slots) or [0] * len(self)
+
+    def foreach_get(self, name, target):
+        target[:] = self.slots if name == "material_index" else self.values
+
+
+TETRAHEDRON = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1], [0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2]
+
+
+def surface(
+    fixture, camera=True, shadow=True, modifiers=(), corners=(0, 1, 2), materials=(), slots=(), scatter=True,
+    points=(0, 0, 0, 1, 0, 0, 0, 1, 0),
+):  # fmt: skip
+    """(meshes, lights) of an object."""
+    mesh = SimpleNamespace(vertices=Many(list(points), 3), loop_triangles=Triangles(corners, slots))
     mesh.calc_loop_triangles = lambda: None
     thing = SimpleNamespace(
-        name="Wall", visible_shadow=shadow, visible_camera=camera, modifiers=modifiers, material_slots=[],
+        name="Wall", visible_shadow=shadow, visible_camera=camera, modifiers=modifiers,
+        material_slots=[SimpleNamespace(material=m) for m in materials], visible_volume_scatter=scatter,
         to_mesh=lambda: mesh, to_mesh_clear=lambda: None,
     )  # fmt: skip
     return fixture.exporter.solid(thing, "it")
+
+
+def solid(fixture, **values):
+    meshes, lights = surface(fixture, **values)
+    assert lights == []
+    return meshes
 
 
 def test_solids_hold_out_and_throw_shadows_as_they_are_seen(world):
@@ -351,3 +376,95 @@ def test_solids_may_be_left_out(tmp_path):
 def test_simulations_are_warned_of(world):
     assert solid(world, modifiers=[SimpleNamespace(type="FLUID", fluid_type="DOMAIN")]) == []
     assert world.said == ["'Wall': simulations are rendered from files alone; export its cache as OpenVDB"]
+
+
+def glowing(strength=3.0, color=(1, 0.5, 0, 1), kind="ShaderNodeEmission"):
+    names = {"Strength": strength, "Color": color}
+    if kind == "ShaderNodeBsdfPrincipled":
+        names = {"Emission_Strength": strength, "Emission_Color": color}
+    shader, end = node(kind, **names), node("ShaderNodeOutputMaterial", Surface=None, Volume=None)
+    end.is_active_output = True
+    link(shader, end, "Surface")
+    return SimpleNamespace(use_nodes=True, node_tree=SimpleNamespace(nodes=[end, shader]))
+
+
+def faces_of(table):
+    with open(table["file"], "rb") as file:
+        return int(re.search(rb"element face (\d+)", file.read())[1])
+
+
+@pytest.mark.parametrize("kind", ["ShaderNodeEmission", "ShaderNodeBsdfPrincipled"])
+def test_a_surface_that_shines_is_a_light_and_casts_no_shadow(world, kind):
+    (shining, seen), (light_,) = surface(world, materials=[glowing(kind=kind)])
+    assert (shining["holdout"], shining["shadows"]) == (False, False)
+    assert (seen["holdout"], seen["shadows"], seen["name"]) == (True, False, "Wall_3")
+    assert light_.pop("name") == "Wall" and light_.pop("color") == [1, 0.5, 0]
+    assert light_ == {"type": "area", "shape": "mesh", "mesh": "Wall_2", "intensity": 3}
+    assert faces_of(shining) == 2 and faces_of(seen) == 1  # an open one shines to both sides
+    assert world.said == ["'Wall': it shines, and casts no shadow"] and world.exporter.light_passes == {"Wall": "Wall"}
+
+
+def test_a_closed_surface_shines_outwards(world):
+    points, corners = TETRAHEDRON
+    (shining, _), _ = surface(world, materials=[glowing()], points=points, corners=corners)
+    assert faces_of(shining) == 4
+    (shining, _), _ = surface(world, materials=[glowing()], points=points, corners=corners, shadow=False)
+    assert faces_of(shining) == 8  # light passes through it
+
+
+def test_triangles_shine_whose_material_does(world):
+    dark = glowing(strength=0.0)
+    points, corners = TETRAHEDRON
+    shown, lights = surface(
+        world, materials=[dark, glowing()], slots=[0, 1, 1, 0], points=points, corners=corners, camera=False
+    )
+    assert [faces_of(mesh) for mesh in shown] == [4] and len(lights) == 1  # two of them, open
+    assert surface(world, materials=[dark])[1] == [] == surface(world, materials=[glowing()], scatter=False)[1]
+    assert surface(world, materials=[None])[1] == []
+
+
+def test_what_shines_does_so_where_solids_are_left_out(tmp_path):
+    (mesh,), (light_,) = surface(Fixture(tmp_path, solids="NONE"), materials=[glowing()])
+    assert mesh["shadows"] is False and light_["mesh"] == mesh["name"]
+
+
+def with_profile(path, strength=1.0, factor=None):
+    """Nodes of a light whose strength an IES texture gives, times `factor`."""
+    texture = node("ShaderNodeTexIES", Vector=None, Strength=strength)
+    texture.mode, texture.filepath = "EXTERNAL", str(path)
+    texture.id_data = SimpleNamespace(library=None)
+    shader, end = node("ShaderNodeEmission", Strength=1.0, Color=(1, 1, 1, 1)), node("ShaderNodeOutputLight", Surface=None)
+    end.is_active_output = True
+    last = texture
+    if factor is not None:
+        last = node("ShaderNodeMath", A=1.0, B=factor)
+        last.operation, last.use_clamp = "MULTIPLY", False
+        link(texture, last, "A")
+    link(last, shader, "Strength"), link(shader, end, "Surface")
+    return {"use_nodes": True, "node_tree": SimpleNamespace(nodes=[end, shader, texture, last])}
+
+
+WALL = os.path.join(os.path.dirname(__file__), "../../../examples/scenes/luminaires/wall.ies")
+
+
+def test_an_ies_texture_is_a_luminaire_with_candelas_in_watts(world):
+    (got,) = light(world, **with_profile(WALL, strength=2.0, factor=3.0))
+    assert os.path.samefile(got.pop("ies"), WALL)
+    largest = photometry.Photometry(WALL).largest
+    assert got.pop("intensity") == pytest.approx(6 * largest * 4 * math.pi / 177.83, rel=1e-4)
+    assert got == {
+        "name": "Key", "type": "point", "color": [1, 1, 1], "position": [5, 6, 7], "direction": [0, 0, -2],
+        "up": [-2, 0, 0],
+    }  # fmt: skip
+    (got,) = light(world, type="SPOT", shadow_soft_size=0.1, **with_profile(WALL))
+    assert got["type"] == "spot" and "ies" in got
+
+
+def test_ies_textures_that_cannot_be_rendered_are_warned_of(world, tmp_path):
+    (tmp_path / "bad.ies").write_text("no")
+    (got,) = light(world, **with_profile(tmp_path / "bad.ies"))
+    assert "ies" not in got and "not a photometric file" in world.said[0]
+    (got,) = light(world, type="SUN", **with_profile(WALL))
+    assert "ies" not in got and world.said[1] == "light 'Key': only points and spots have IES textures (rendered without)"
+    (got,) = light(world, shadow_soft_size=0.1, **with_profile(WALL))
+    assert got["type"] == "point" and "its shadows are sharp" in world.said[2]

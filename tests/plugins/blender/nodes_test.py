@@ -216,14 +216,14 @@ def shaded(output, kind, **sockets):
 
 def test_a_lights_emission_is_strength_times_colour():
     light, _ = shaded("ShaderNodeOutputLight", "ShaderNodeEmission", Color=(1, 0.5, 0, 1), Strength=4.0)
-    assert nodes.light_emission(light) == [4, 2, 0]
-    assert nodes.light_emission(SimpleNamespace(use_nodes=False)) == [1, 1, 1]
+    assert nodes.light_emission(light).color == [4, 2, 0]
+    assert nodes.light_emission(SimpleNamespace(use_nodes=False)).color == [1, 1, 1]
     light, shader = shaded("ShaderNodeOutputLight", "ShaderNodeEmission", Color=(1, 1, 1, 1), Strength=1.0)
     fed(shader, "Strength", attribute("d"))
     with pytest.raises(nodes.NotMapped, match="the attribute 'd'"):
         nodes.light_emission(light)
     light.node_tree.nodes[0].inputs["Surface"].links.clear()
-    assert nodes.light_emission(light) == [0, 0, 0]
+    assert nodes.light_emission(light).color == [0, 0, 0]
 
 
 def world(color=(1, 1, 1, 1), strength=1.0):

@@ -139,6 +139,20 @@ TEST(SubLights, OfAMeshShineAsTheirPartsOfIt) {
     }
 }
 
+// The front and the back of a sheet, whose triangles lie in the same places, are not taken for one part, which would
+// shine like neither (and be 13 % off).
+TEST(SubLights, OfASheetThatShinesToBothSidesFillTheSolidAngleOfARectangle) {
+    TriangleMesh sheet;
+    sheet.points = {{-1.5, -1, 0}, {1.5, -1, 0}, {1.5, 1, 0}, {-1.5, 1, 0}};
+    sheet.triangles = {{0, 1, 2}, {0, 2, 3}, {2, 1, 0}, {3, 2, 0}};
+    Light light;
+    light.kind = Light::Area{AreaShape::mesh};
+    shineFrom(light, sheet, Mat4(1));
+    const double solidAngle = 4 * std::asin(1.5 / std::sqrt((1.5 * 1.5 + 4) * (1 + 4)));
+    for (const double z : {-2.0, 2.0})
+        EXPECT_NEAR(fluence(cut(light, 128), {0, 0, z}), solidAngle, 0.02 * solidAngle) << z;
+}
+
 // Irradiance of a surface that faces the light: a disk on its axis pi L R^2 / (R^2 + h^2), a sphere pi L R^2 / d^2.
 TEST(SubLights, GiveTheIrradianceOfTheirSurface) {
     const auto facing = [](const Vec3& to) { return std::max(0.0, to.z); };
