@@ -16,7 +16,7 @@ class Photometry:
     def __init__(self, path: str | Path) -> None:
         try:
             text = Path(path).read_text(encoding="latin-1")
-            at = next(i for i, line in enumerate(text.splitlines()) if line.startswith("TILT"))
+            at = next(i for i, line in enumerate(text.splitlines()) if line.lstrip().startswith("TILT"))
             lines = text.splitlines()[at:]
             words = " ".join(lines[1:]).replace(",", " ").replace("\x1a", " ").split()
             if lines[0].partition("=")[2].strip() == "INCLUDE":
@@ -24,7 +24,9 @@ class Photometry:
             # The multiplier, the ballast's factor, and that of this lamp with it.
             factor = float(words[2]) * float(words[10]) * float(words[11])
             vertical, horizontal = int(words[3]), int(words[4])
-            values = [float(word) for word in words[13 : 13 + vertical + horizontal + vertical * horizontal]]
+            if words[5] != "1":
+                raise ValueError("its photometric type is not C")
+            values = [float(word) for word in words[13:]]
             self.vertical = values[:vertical]
             self.horizontal = values[vertical : vertical + horizontal]
             rest = values[vertical + horizontal :]
@@ -32,8 +34,10 @@ class Photometry:
                 [factor * c for c in rest[h * vertical : (h + 1) * vertical]] for h in range(horizontal)
             ]
             self.largest = max(map(max, self.candelas))
-            if any(len(row) != vertical for row in self.candelas) or len(self.candelas) != horizontal:
-                raise ValueError("values are missing")
+            if len(rest) != vertical * horizontal:
+                raise ValueError(f"it has {len(rest)} candela values, expected {vertical * horizontal}")
+            if min(map(min, self.candelas)) < 0 or self.largest <= 0:
+                raise ValueError("its candela values are below 0, or all 0")
         except (OSError, ValueError, IndexError, StopIteration) as error:
             raise Failure(f"{path}: not a photometric file (IES LM-63): {error}", 3) from error
 
@@ -49,6 +53,13 @@ class Photometry:
             second = (math.sin(b) - math.sin(a)) / (b - a) - math.cos(b)
             total += first * rows[v] + second * rows[v + 1]
         return total
+
+    @property
+    def mean(self) -> float:
+        """The mean of the candelas over the sphere, or over half of it where the vertical angles span no more: what
+        UsdLux' normalize divides by (OpenUSD's pxrIES.cpp, where it says that RenderMan and Karma do)."""
+        whole = math.radians(self.vertical[-1] - self.vertical[0]) > math.pi / 2 + 0.1
+        return self.power / (math.pi * (4 if whole else 2))
 
     def _around(self, v: int) -> float:
         """Candelas at one vertical angle, integrated over the whole turn."""

@@ -36,7 +36,11 @@ void joinOutputs(toml::table& root) {
     if (list == nullptr || list->empty() || !list->is_array_of_tables()) return;
     toml::table first = std::move(*list->front().as_table());
     list->erase(list->begin());
-    if (!list->empty() && !first.contains(k.files.name)) first.insert(k.files.name, std::move(*list));
+    if (toml::array* const own = first[k.files.name].as_array()) {
+        for (toml::node& more : *list) own->push_back(std::move(*more.as_table()));
+    } else if (!list->empty()) {
+        first.insert(k.files.name, std::move(*list));  // does nothing where that key is no list, which is refused later
+    }
     root.insert_or_assign(keysOf<SceneKeys>().output.name, std::move(first));
 }
 

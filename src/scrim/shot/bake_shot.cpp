@@ -204,7 +204,7 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
         const std::vector<BakedVolume> baked =
             bakeLight(view, wanted, request.emission, threadCount(), options.progress);
         const std::string id = content.stores->colour.interopId(space);
-        GridMaker maker(loaded->scene, toOutput, id.empty() ? space : id, extinctionChannels(view).coloured);
+        GridMaker maker(loaded->scene, toOutput, id.empty() ? space : id, !greyExtinction(view));
         for (std::size_t v = 0; v < loaded->scene.volumes.size(); ++v) {
             const std::string& name = loaded->scene.volumes[v].name;
             const auto shown = std::find_if(view.volumes.begin(), view.volumes.end(),

@@ -98,7 +98,7 @@ void warnOfBuffers(const ViewScene& view, const Plan& plan, const MessageSink& m
 
 /// Warns that a deep picture has one alpha, while the extinction of three channels differs.
 void warnOfColouredDeep(const ViewScene& view, const MessageSink& messages) {
-    if (view.deep && extinctionChannels(view).coloured)
+    if (view.deep && !greyExtinction(view))
         notify(messages, Severity::warning,
                fmt::format("{}extinction is coloured, but deep samples have one alpha for all channels: the deep "
                            "picture flattens to the flat one, but merging or inserting samples is approximate",

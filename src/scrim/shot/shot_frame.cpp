@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include <set>
 #include <utility>
 
 namespace scrim {
@@ -82,6 +83,10 @@ void ShotFrame::write(const std::string& path, const MessageSink& messages) {
     const SceneOutput& output = m_content->scene.output;
     const std::string file = pathOf(path, output.file, "picture");
     checkExr(file, "picture");
+    std::set<std::string> written{file};
+    for (const OutputFile& more : output.files)
+        if (path.empty() && !written.insert(more.file).second)
+            throw Error(ErrorKind::usage, fmt::format("'{}' would be written twice", more.file));
     const auto write = [&](const OutputFile& what, const std::string& to) {
         withThreads(report.threads, [&] {
             const std::size_t clamped = timed(report.seconds.write, [&] { return writeFrame(*m_content, what, to); });

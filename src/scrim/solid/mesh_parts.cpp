@@ -94,6 +94,20 @@ TriangleMesh cutTriangles(const TriangleMesh& mesh, double most) {
     return out;
 }
 
+PartShape shapeOf(const MeshPart& part) {
+    PartShape shape;
+    for (const MeshPiece& piece : part) {
+        const double area = glm::length(piece.area);
+        shape.middle += area * piece.at;
+        shape.facing += piece.area;
+        shape.area += area;
+    }
+    shape.middle /= shape.area;
+    for (const MeshPiece& piece : part)
+        shape.reach = std::max(shape.reach, glm::distance(piece.at, shape.middle) + std::sqrt(glm::length(piece.area)));
+    return shape;
+}
+
 std::vector<MeshPart> meshParts(const TriangleMesh& mesh, const Bounds& box, int count) {
     const MeshPlaces places(mesh);
     std::vector<MeshPart> parts;

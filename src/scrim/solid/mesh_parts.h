@@ -20,9 +20,19 @@ struct MeshPiece {
 
 using MeshPart = std::vector<MeshPiece>;
 
-/// Divides the mesh into about `count` compact parts of about the same area, fewer if there are fewer pieces, and leaves
-/// out those that have nothing of `box` in front of them. No part reaches over the edges of a mesh with few facets. Large triangles are cut. Where there are more than 64 triangles a
-/// part, pieces are drawn at places spread evenly over the mesh.
+/// What a part is as a whole.
+struct PartShape {
+    Vec3 middle{0};
+    Vec3 facing{0};    ///< the sum of the areas of its pieces, each along its normal
+    double area = 0;   ///< and without the normals
+    double reach = 0;  ///< all of it is about as near to the middle, or nearer
+};
+PartShape shapeOf(const MeshPart& part);
+
+/// Divides the mesh into about `count` compact parts of about the same area, fewer if there are fewer pieces, and
+/// leaves out those that have nothing of `box` in front of them. No part reaches over the edges of a mesh with few
+/// facets. Large triangles are cut. Where there are more than 64 triangles a part, pieces are drawn at places spread
+/// evenly over the mesh.
 std::vector<MeshPart> meshParts(const TriangleMesh& mesh, const Bounds& box, int count);
 
 }  // namespace scrim

@@ -53,6 +53,15 @@ bool softlyLit(const ViewScene& scene) {
                        [](const Light& light) { return (light.area() || light.dome()) && light.intensity != Rgb(0); });
 }
 
+ViewScene unlit(ViewScene scene) {
+    scene.lights.clear();
+    for (ViewVolume& volume : scene.volumes) {
+        volume.lights.clear();
+        volume.shadows.clear();
+    }
+    return scene;
+}
+
 }  // namespace
 
 double meanSlant(const ViewScene& scene) {
@@ -144,7 +153,10 @@ PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) 
     // Cells leave an error of their own where voxels are opaque; finer texels cost less than finer cells.
     constexpr double kSoft = 1.5, kSoftAndOpaque = 2, kOpaque = 1;
     const double soft = !softlyLit(scene) ? 1 : depthOfVoxel(scene) > kOpaque ? kSoftAndOpaque : kSoft;
-    const double pilot = (lit ? 1 : kUnlit) * soft * pilotError(scene, kRays);
+    double error = pilotError(scene, kRays);
+    // Lights that miss all volumes say nothing about the error.
+    if (lit && error == 0) error = kUnlit * pilotError(unlit(scene), kRays);
+    const double pilot = (lit ? 1 : kUnlit) * soft * error;
     PromisedDials out = dialsFor(scene.dials, expectedModel(pilot, meanSlant(scene), classified),
                                  promised < kFine ? kFineAim * promised : promised, finest);
     out.promised = promised;

@@ -29,6 +29,10 @@ std::string textOf(const GridEdit& edit, const CombinedGrid::Part& part, const o
     throw Error(ErrorKind::input, fmt::format("{}: {}", part.where, problem));
 }
 
+bool isStaggered(const openvdb::GridBase& grid) {
+    return grid.getGridClass() == openvdb::GRID_STAGGERED;
+}
+
 float largest(float a, float b) {
     return std::max(a, b);
 }
@@ -139,6 +143,9 @@ openvdb::GridBase::Ptr combine(const GridEdit& edit, const CombinedGrid& grid,
                 fail(part, fmt::format("{} holds {} values; expected {}", textOf(edit, part, *parts[i]),
                                        shortened(offer.valueType(), 80),
                                        grid.how == How::max ? "numbers" : "numbers, or vectors in all of them"));
+            if (offer.isVector() && isStaggered(*parts[i]) != isStaggered(*parts.front()))
+                fail(part, fmt::format("{} is {}staggered, unlike the first grid; expected both or none",
+                                       textOf(edit, part, *parts[i]), isStaggered(*parts[i]) ? "" : "not "));
             parts[i] = prepared(parts[i], edit.files[part.file], messages);
         }
         out = parts.front();

@@ -143,13 +143,13 @@ def test_a_cone_makes_a_spot(dusty):
 
 @pytest.mark.parametrize("normalize", [False, True])
 def test_a_photometric_file_multiplies_by_its_candelas(dusty, normalize):
-    """That of 1200 candelas times the cosine, whose integral is 1200 pi."""
+    """That of 1200 candelas times the cosine, whose mean over the half space is 600."""
     light = at_distance(dusty.light("SphereLight", intensity=0.01, radius=0.1), (35, 0, 0))
     light.GetTreatAsPointAttr().Set(True)
     shaping = UsdLux.ShapingAPI.Apply(light.GetPrim())
     shaping.GetShapingIesFileAttr().Set(Sdf.AssetPath(str(LUMINAIRES / "downlight.ies")))
     shaping.GetShapingIesNormalizeAttr().Set(normalize)
-    candelas = (1 / math.pi if normalize else 1200) * math.cos(math.radians(35))
+    candelas = (2 if normalize else 1200) * math.cos(math.radians(35))
     found, shot = arrives(dusty)
     assert found == pytest.approx([0.01 * math.pi * 0.01 * candelas / DISTANCE**2] * 3, rel=0.01)
     assert not any("IES" in w for w in shot.warnings)

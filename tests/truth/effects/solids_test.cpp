@@ -227,6 +227,27 @@ TEST(CaughtShadow, IsTheTransmittanceOfASlab) {
 
 // Eight pixels a voxel: few of the rays to the light are marched, and between them what arrives is nearly straight over
 // half a voxel. A crop is the same.
+// Two balls of one mesh, of which the smoke is in front of one: what they send falls with the square of their distance.
+TEST(CaughtShadow, OfALightThatIsAMeshIsThatOfWhatItsPartsSend) {
+    ViewScene scene = haze(0.02);
+    const Vec3 behind(0, 0, 30), beside(80, 0, -10), floor(0, 0, -15);
+    TriangleMesh balls = *ballMesh(behind, 1, 8);
+    const auto other = ballMesh(beside, 1, 8);
+    const auto first = static_cast<std::uint32_t>(balls.points.size());
+    balls.points.insert(balls.points.end(), other->points.begin(), other->points.end());
+    for (const auto& [a, b, c] : other->triangles) balls.triangles.push_back({first + a, first + b, first + c});
+    Light light;
+    light.name = "balls";
+    light.kind = Light::Area{AreaShape::mesh};
+    shineFrom(light, balls, Mat4(1));
+    scene.lights = {light};
+    scene.layers = {Layer::shadow};
+    scene.solids = oneSolid(squareMesh(floor, {0, 0, 1}, 6), false, false, true);
+    const double a = 1 / glm::dot(behind - floor, behind - floor), b = 1 / glm::dot(beside - floor, beside - floor);
+    const double expected = (a * std::exp(-0.02 * 20) + b) / (a + b);  // 0.75; 0.83 if both counted alike
+    EXPECT_NEAR(renderScene(scene).layers[0].data[3 * (10 * 20 + 10)], expected, 0.01);
+}
+
 TEST(CaughtShadow, OfSmokeIsThatOfARayFromEachPixel) {
     ViewScene scene = orthographicScene(smokeField(12), {0.25, Rgb(0.9), {}}, 30, 240);
     scene.lights = {distantLight({0.3, 0.2, -1}, 1)};

@@ -90,7 +90,8 @@ TEST(SceneOutput, HasFurtherFilesInEitherForm) {
     const std::string copy = "file = \"copy.exr\"\npicture = true\ntype = \"half\"\ncolorspace = \"lin_rec709\"\n";
     const std::string inside = "[output]\n" + main + "[[output.files]]\n" + depth + "[[output.files]]\n" + copy;
     const std::string list = "[[output]]\n" + main + "[[output]]\n" + depth + "[[output]]\n" + copy;
-    for (const std::string& text : {inside, list}) {
+    const std::string both = "[[output]]\n" + main + "[[output.files]]\n" + depth + "[[output]]\n" + copy;
+    for (const std::string& text : {inside, list, both}) {
         const SceneOutput out = read(kScene + text, {"output.compression=zips"}, 7).output;
         EXPECT_EQ(out.file, "/shots/a.0007.exr");
         EXPECT_EQ(out.layers, std::vector<Layer>{Layer::light});

@@ -136,7 +136,7 @@ class Light:
 
     def luminaire(self) -> tuple[dict, float]:
         """Keys of a point or a spot with a photometric file, and what they multiply its intensity by: the file's
-        candelas, over their integral where the profile is normalized. The vertical angle 0 is -z."""
+        candelas, over their mean where the profile is normalized. The vertical angle 0 is -z."""
         path = self.profile()
         if not path:
             return {}, 1.0
@@ -147,7 +147,7 @@ class Light:
             return {}, 1.0
         if self.input("shaping:ies:angleScale"):
             self.warn("the angleScale of its IES profile is not rendered")
-        factor = profile.largest / (profile.power if self.input("shaping:ies:normalize") else 1)
+        factor = profile.largest / (profile.mean if self.input("shaping:ies:normalize") else 1)
         keys = {"ies": path, "direction": self.moving(_facing)}
         keys["up"] = self.moving(lambda matrix: numbers(_axes(matrix)[1].GetNormalized()))
         return keys, factor

@@ -49,12 +49,14 @@ class Marcher {
 // The relative weight of a sub-light at a point, without regard to the surface there.
 double weightOf(const Light& light, const Vec3& ws) {
     const double power = light.intensity.x + light.intensity.y + light.intensity.z;
-    if (!light.element()) return power;
+    if (light.distant()) return power;
     const Vec3 way = ws - light.wsPosition;
-    const double distance2 = std::max(glm::dot(way, way), light.point().radius * light.point().radius);
-    if (!(distance2 > 0)) return 0;
+    const double own2 = glm::dot(way, way), distance2 = std::max(own2, light.point().radius * light.point().radius);
+    if (!(own2 > 0)) return 0;
+    const double weight = power * luminairePart(light, lightFrame(light), way / std::sqrt(own2)) / distance2;
+    if (!light.element()) return weight;
     const double facing = std::max(0.0, glm::dot(way, light.wsDirection)) / std::sqrt(distance2);
-    return power * facing * Spread(light.element()->spread).at(facing) / distance2;
+    return weight * facing * Spread(light.element()->spread).at(facing);
 }
 
 // The transmittance towards light `owner` of the scene, which may consist of several lights.

@@ -144,11 +144,12 @@ Light patchAt(const Light& whole, const Vec3& ws, const MeshPart& part, double a
 
 // Scales the light of one part of a mesh so that at the corners and in the middle of the volumes as much arrives as
 // from all its pieces. A point is not where they are: a tube of radius r that is bent around the volumes, at a distance
-// d, would be 0.8 r / d off.
-void scaleToPieces(Light& light, const Rgb& radiance, const MeshPart& part, const Bounds& ws) {
-    constexpr double kMost = 2;
+// d, would be 0.8 r / d off. Places beside the part, for which no point can stand, do not count.
+void scaleToPieces(Light& light, const Rgb& radiance, const MeshPart& part, double reach, const Bounds& ws) {
+    constexpr double kMost = 2, kBeside = 3;
     double pieces = 0, whole = 0;
     const auto weigh = [&](const Vec3& place) {
+        if (glm::distance(place, light.wsPosition) < kBeside * reach) return;
         for (const MeshPiece& piece : part) {
             const Vec3 way = place - piece.at;
             pieces += largest(radiance) * std::max(glm::dot(piece.area, way), 0.0) /
@@ -169,6 +170,7 @@ void addMesh(const Light& whole, int count, const ViewScene& scene, std::vector<
     if (scene.solids && std::ranges::any_of(scene.solids->all(), [&](const Solid& solid) {
             return solid.shadows && solid.name == whole.area()->mesh;
         })) {
+        count *= 4;  // normals of neighbours differ, which parts would even out
         const MeshPlaces places(*whole.area()->surface);
         const double own = places.area() / count;
         if (!(own > 0)) return;
@@ -180,19 +182,19 @@ void addMesh(const Light& whole, int count, const ViewScene& scene, std::vector<
     }
     const Bounds ws = wsBounds(scene);
     for (const MeshPart& part : meshParts(*whole.area()->surface, ws, count)) {
-        Vec3 middle(0), facing(0);
-        double area = 0;
-        for (const MeshPiece& piece : part) {
-            middle += glm::length(piece.area) * piece.at;
-            facing += piece.area;
-            area += glm::length(piece.area);
-        }
-        const double front = glm::length(facing);
-        out.push_back(front < kFlat * area
-                          ? patchAt(whole, middle / area, part, area)
-                          : elementAt(whole, middle / area, facing / front, area, whole.intensity * front));
-        scaleToPieces(out.back(), whole.intensity, part, ws);
+        const PartShape shape = shapeOf(part);
+        const double front = glm::length(shape.facing);
+        out.push_back(front < kFlat * shape.area
+                          ? patchAt(whole, shape.middle, part, shape.area)
+                          : elementAt(whole, shape.middle, shape.facing / front, shape.area, whole.intensity * front));
+        scaleToPieces(out.back(), whole.intensity, part, shape.reach, ws);
     }
+}
+
+// True if a mesh lies among the volumes, where each place is lit by a few of its triangles alone.
+bool isWithin(const Light& light, const Bounds& ws) {
+    const auto& mesh = light.area()->surface;
+    return mesh && std::ranges::all_of(mesh->points, [&](const Vec3& point) { return ws.contains(point); });
 }
 
 void addSky(const Light& whole, int count, std::vector<Light>& out) {
@@ -251,7 +253,9 @@ int subLightCount(const ViewScene& scene, const Light& light) {
     // sides, but there is no knowing how far it extends.
     constexpr double kLeastOfMesh = 64;
     const auto shape = light.area() ? light.area()->shape : AreaShape::disk;
-    const double used = shape == AreaShape::sphere || shape == AreaShape::cylinder ? 0.5 : 1;
+    const double used = shape == AreaShape::sphere || shape == AreaShape::cylinder     ? 0.5
+                        : shape == AreaShape::mesh && isWithin(light, wsBounds(scene)) ? 0.25
+                                                                                       : 1;
     const double count = kPerRoot * std::sqrt(share) / (used * scene.dials.lightError);
     const double least = shape == AreaShape::mesh ? kLeastOfMesh : 1;
     return static_cast<int>(std::clamp(std::ceil(count), least, double(kMostSubLights)));

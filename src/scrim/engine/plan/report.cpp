@@ -37,7 +37,8 @@ Json lightJson(const ViewScene& scene, const Plan& plan, const PlannedLight& lig
     if (light.shadowed) out["shadow_raster"] = {light.view.width, light.view.height};
     if (const auto& slide = lightOf(scene, plan, light.light).slide)
         out["slide"] = {{"file", slide->file}, {"pixels", {slide->image->width(), slide->image->height()}}};
-    if (const auto& luminaire = lightOf(scene, plan, light.light).luminaire) out["ies"] = luminaire->file;
+    if (const auto& luminaire = lightOf(scene, plan, light.light).luminaire; luminaire && !luminaire->file.empty())
+        out["ies"] = luminaire->file;
     if (!light.ssWindows.empty()) {
         out["window"] = light.window;
         out["windows"] = light.ssWindows.size();
@@ -82,7 +83,7 @@ std::string lightLine(const ViewScene& scene, const Plan& plan, const PlannedLig
     if (!light.ssWindows.empty()) line += fmt::format(", part {}", light.window + 1);
     if (const auto& slide = lightOf(scene, plan, light.light).slide)
         line += fmt::format(", slide of {} x {} pixels", slide->image->width(), slide->image->height());
-    if (const auto& luminaire = lightOf(scene, plan, light.light).luminaire)
+    if (const auto& luminaire = lightOf(scene, plan, light.light).luminaire; luminaire && !luminaire->file.empty())
         line += fmt::format(", profile that reaches {:.3g} degrees", luminaire->profile->reach());
     line += light.shadowed ? fmt::format(": shadow raster {} x {} cells\n", light.view.width, light.view.height)
                            : std::string(": no shadows\n");

@@ -153,6 +153,28 @@ TEST(SubLights, OfASheetThatShinesToBothSidesFillTheSolidAngleOfARectangle) {
         EXPECT_NEAR(fluence(cut(light, 128), {0, 0, z}), solidAngle, 0.02 * solidAngle) << z;
 }
 
+// Beside a part there is no point that stands for it, so what arrives there does not count for how strong the part is:
+// the middle of a box is as near to it as its sides are large. Its side at 0.2 is all that a place in front of it sees.
+TEST(SubLights, OfABoxAmongTheVolumesFillTheSolidAngleOfItsSides) {
+    TriangleMesh box;
+    for (int i = 0; i < 8; ++i) box.points.push_back(0.2 * Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+    for (const auto& [a, b, c, d] : {std::array<std::uint32_t, 4>{0, 2, 3, 1},
+                                     {4, 5, 7, 6},
+                                     {0, 1, 5, 4},
+                                     {2, 6, 7, 3},
+                                     {0, 4, 6, 2},
+                                     {1, 3, 7, 5}}) {
+        box.triangles.push_back({a, b, c});
+        box.triangles.push_back({a, c, d});
+    }
+    Light light;
+    light.kind = Light::Area{AreaShape::mesh};
+    shineFrom(light, box, Mat4(1));
+    const double h2 = 1.3 * 1.3, solidAngle = 4 * std::asin(0.04 / (0.04 + h2));
+    for (const Vec3& ws : {Vec3(1.5, 0, 0), Vec3(0, -1.5, 0), Vec3(0, 0, 1.5)})
+        EXPECT_NEAR(fluence(cut(light, 256), ws), solidAngle, 0.02 * solidAngle) << ws.x << " " << ws.y;
+}
+
 // Irradiance of a surface that faces the light: a disk on its axis pi L R^2 / (R^2 + h^2), a sphere pi L R^2 / d^2.
 TEST(SubLights, GiveTheIrradianceOfTheirSurface) {
     const auto facing = [](const Vec3& to) { return std::max(0.0, to.z); };
