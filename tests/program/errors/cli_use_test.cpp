@@ -343,7 +343,7 @@ TEST_F(CliUse, DamagedFilesAreRefusedOrRenderedAndNothingElse) {
     runWell({"make", "noise", "resolution=24", "-o", "good.vdb"});
     const std::string good = readBytes(file("good.vdb"));
     std::mt19937 random(7);
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef SCRIM_ADDRESS_SANITIZED
     constexpr int kFlips = 30;  // a process takes several times as long
 #else
     constexpr int kFlips = 200;

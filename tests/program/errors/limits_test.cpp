@@ -48,7 +48,7 @@ class Limits : public ProgramTest {
         ProgramTest::SetUp();
     }
     static bool sanitized() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SCRIM_SANITIZED
         return true;
 #else
         return false;

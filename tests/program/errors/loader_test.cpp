@@ -54,7 +54,7 @@ class Loader : public ProgramTest {
 
 TEST_F(Loader, IsConfined) {
     const std::string said = outputOf(SCRIM_LOADER " --check");
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SCRIM_SANITIZED
     EXPECT_EQ(said, "no filter: this is a build with a sanitizer\n");
 #else
     EXPECT_EQ(said,

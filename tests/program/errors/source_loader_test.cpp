@@ -35,7 +35,7 @@ namespace {
 
 const LoadOptions kGuarded{VolumeLoading::guarded, ""};
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SCRIM_SANITIZED
 constexpr bool kFiltered = false;
 #else
 constexpr bool kFiltered = true;

@@ -50,7 +50,7 @@ inline std::string damaged(std::string bytes, std::mt19937& random) {
 /// How many files of a kind to damage: what SCRIM_FUZZ_FILES says, or else `files`; fewer with the address sanitizer,
 /// under which a process takes several times as long.
 inline int damagedFiles(int files, int sanitized) {
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef SCRIM_ADDRESS_SANITIZED
     constexpr bool isSanitized = true;
 #else
     constexpr bool isSanitized = false;

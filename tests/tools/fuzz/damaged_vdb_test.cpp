@@ -80,7 +80,7 @@ TEST_F(DamagedVdb, OfEveryKindIsRefusedOrReadWithinLimits) {
             if (HasFailure()) return writeBytes(::testing::TempDir() + "/scrim_damaged.vdb", bytes);
         }
     }
-#if !defined(__SANITIZE_ADDRESS__)
+#ifndef SCRIM_ADDRESS_SANITIZED
     rusage usage{};
     ::getrusage(RUSAGE_CHILDREN, &usage);
     EXPECT_LT(usage.ru_maxrss, kMostResident);
