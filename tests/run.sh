@@ -32,7 +32,7 @@ if [ "$preset" = "asan" ]; then
     # Those of effects take as long as all others: .ci/full runs them, by SCRIM_PROGRAMS=effect.
     programs="${SCRIM_PROGRAMS:-error stability unit shot fuzz plugin thread}"
     targets="--target $(printf 'scrim_%s_tests ' $programs)"
-    filter='-Interrupt.*:CliUse.FilesMayHaveAnyName:SkyParts.AreAtMost*:Sizes.*:*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*:*AgreeWithBruteForce*:*classifiedPerView*:Limits.*:Ax.Hostile*:Ax.ExpressionsThatNeverEnd*:Documents.*:SourceLoader.KeepsFilesThatTakeOver*:MultipleScattering.*PathTracer:MultipleScattering.OfA*Chandrasekhars:MultipleScattering.OfADome*:MultipleScattering.OfAnEvenGlow*:MultipleScattering.ConvergesWithTheCells:MultipleScattering.TakesFewSweeps*:MultipleScattering.OfASlabIsMilnes:*ConvergesToTheReference:*ConvergeToTheReference:*AgreesWithBruteForce*:*ShowsWhatTheReferenceShows*'
+    filter='-Interrupt.*:Sizes.*:*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*:*AgreeWithBruteForce*:*classifiedPerView*:Limits.*:Ax.Hostile*:Ax.ExpressionsThatNeverEnd*:Documents.*:SourceLoader.KeepsFilesThatTakeOver*:MultipleScattering.*PathTracer:MultipleScattering.OfA*Chandrasekhars:MultipleScattering.OfADome*:MultipleScattering.OfAnEvenGlow*:MultipleScattering.ConvergesWithTheCells:MultipleScattering.TakesFewSweeps*:MultipleScattering.OfASlabIsMilnes:*ConvergesToTheReference:*ConvergeToTheReference:*AgreesWithBruteForce*:*ShowsWhatTheReferenceShows*'
     options=""
 else
     programs="error effect analytic paper fuzz engine stability unit shot plugin invariance thread"

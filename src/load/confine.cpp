@@ -2,6 +2,7 @@
 #include "confine.h"
 
 #include "answered_calls.h"
+#include "sanitized.h"
 
 #include <scrim/base/process_limits.h>
 
@@ -19,15 +20,6 @@
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
-
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SCRIM_SANITIZED 1
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SCRIM_SANITIZED 1
-#endif
 
 namespace scrim::load {
 namespace {

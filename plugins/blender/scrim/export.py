@@ -63,8 +63,8 @@ class Exporter:
             elif thing.type == "LIGHT" and shown:
                 lights += self.light(thing, key)
             elif thing.type in _SOLIDS and shown:
-                shown, shining = self.solid(thing, key)
-                solids += shown
+                seen, shining = self.solid(thing, key)
+                solids += seen
                 lights += shining
         lights += self.world(scene.world)
         if not volumes:
@@ -238,7 +238,7 @@ class Exporter:
         except Failure as error:
             self.warn(f"{name}: {error} (rendered without)")
             return {}, 1.0
-        return {"ies": path}, largest * light_laws.CYCLES_WATTS_OF_CANDELA
+        return {"ies": frames.pattern_of(path)}, largest * light_laws.CYCLES_WATTS_OF_CANDELA
 
     def lamp(self, data, strength, name, as_point):
         normalize = getattr(data, "normalize", True)

@@ -312,7 +312,7 @@ class Shining:
 
 
 def light_emission(light):
-    """That of a light's nodes: white where it has none. Raises NotMapped."""
+    """What the nodes of a light say: white where it has none. Raises NotMapped."""
     if not light.use_nodes or light.node_tree is None:
         return Shining(WHITE)
     node = _surface_of(light.node_tree, "ShaderNodeOutputLight")

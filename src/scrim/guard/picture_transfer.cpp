@@ -69,9 +69,7 @@ FilePicture receivePicture(int fd) {
     const std::uint64_t pixels = static_cast<std::uint64_t>(out.width) * static_cast<std::uint64_t>(out.height);
     if (pixels > kMostTexturePixels) incompleteTransfer("its picture has too many pixels");
     reader.align();
-    const char* values = reader.take(4 * pixels, sizeof(float));
-    out.rgba.resize(4 * pixels);
-    std::memcpy(out.rgba.data(), values, 4 * pixels * sizeof(float));
+    takeInto(out.rgba, 4 * pixels, reader);
     if (!reader.done()) incompleteTransfer("it is longer than its header says");
     return out;
 }

@@ -78,7 +78,7 @@ openvdb::GridBase::Ptr prepared(const openvdb::GridBase::Ptr& grid, const std::s
                                 const MessageSink& messages) {
     openvdb::GridBase::Ptr own = inFloats(grid);
     if (own == grid) own = grid->deepCopyGrid();
-    if (offerOf(*own).isScalar()) levelSetIntoFog(*own, file, messages);
+    levelSetIntoFog(*own, file, messages);
     return own;
 }
 

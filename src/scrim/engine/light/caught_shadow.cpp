@@ -2,6 +2,7 @@
 #include <scrim/engine/light/caught_shadow.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/scene/light_at.h>
 #include <scrim/scene/optics.h>
 
 #include <algorithm>
@@ -46,30 +47,26 @@ class Marcher {
     std::vector<VolumeOptics> m_volumes;
 };
 
-// The relative weight of a sub-light at a point, without regard to the surface there.
-double weightOf(const Light& light, const Vec3& ws) {
-    const double power = light.intensity.x + light.intensity.y + light.intensity.z;
-    if (light.distant()) return power;
-    const Vec3 way = ws - light.wsPosition;
-    const double own2 = glm::dot(way, way), distance2 = std::max(own2, light.point().radius * light.point().radius);
-    if (!(own2 > 0)) return 0;
-    const double weight = power * luminairePart(light, lightFrame(light), way / std::sqrt(own2)) / distance2;
-    if (!light.element()) return weight;
-    const double facing = std::max(0.0, glm::dot(way, light.wsDirection)) / std::sqrt(distance2);
-    return weight * facing * Spread(light.element()->spread).at(facing);
-}
+// A light without extent, which is a light of the scene or a part of one.
+struct Part {
+    explicit Part(const Light& one) : light(&one), at(one) {}
 
-// The transmittance towards light `owner` of the scene, which may consist of several lights.
-using Parts = std::vector<const Light*>;
+    const Light* light;
+    LightAt at;
+};
+using Parts = std::vector<Part>;
 
+// The transmittance towards light `owner` of the scene, whose parts count by what they send to the point, without
+// regard to the surface there.
 Rgb transmittance(const Marcher& marcher, std::size_t owner, const Parts& parts, const Vec3& ws) {
-    if (parts.size() == 1) return marcher.transmittance(owner, *parts.front(), ws);
+    if (parts.size() == 1) return marcher.transmittance(owner, *parts.front().light, ws);
     Rgb sum(0);
     double weights = 0;
-    for (const Light* part : parts) {
-        const double weight = weightOf(*part, ws);
+    for (const Part& part : parts) {
+        const Rgb sent = part.at.at(ws).irradiance;
+        const double weight = sent.x + sent.y + sent.z;
         if (weight <= 0) continue;
-        sum += weight * marcher.transmittance(owner, *part, ws);
+        sum += weight * marcher.transmittance(owner, *part.light, ws);
         weights += weight;
     }
     return weights > 0 ? sum / weights : Rgb(1);
@@ -79,9 +76,9 @@ Rgb transmittance(const Marcher& marcher, std::size_t owner, const Parts& parts,
 Parts partsOf(const ViewScene& scene, const SubLights& subLights, std::size_t index) {
     Parts parts;
     if (!scene.lights[index].shadows) return parts;
-    if (subLights.owners.empty() && !scene.lights[index].extended()) parts.push_back(&scene.lights[index]);
+    if (subLights.owners.empty() && !scene.lights[index].extended()) parts.emplace_back(scene.lights[index]);
     for (std::size_t i = 0; i < subLights.owners.size(); ++i)
-        if (subLights.owners[i] == static_cast<int>(index)) parts.push_back(&subLights.lights[i]);
+        if (subLights.owners[i] == static_cast<int>(index)) parts.emplace_back(subLights.lights[i]);
     return parts;
 }
 
