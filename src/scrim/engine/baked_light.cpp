@@ -233,7 +233,7 @@ void Baking::addLight(const Batch& batch, int p, std::size_t index, std::size_t 
     for (const int c : light.channels) {
         Real* tau = tile.tau + c * kTileSize;
         const Shadow* shadow = on.shadows[index * std::size_t(channels) + std::size_t(c)];
-        shadow->lookUpPoints(p, tile.samples.u, tile.samples.v, tau);
+        shadow->lookUpPoints(p, tile.samples.u, tile.samples.v, kTileSize, tau);
         if (!light.withinSheet) continue;
         alignas(64) Real sigma[kTileSize];
         const PlaneStack& planes = batch.extinction.total(c);

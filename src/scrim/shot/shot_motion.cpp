@@ -7,7 +7,7 @@
 #include <scrim/scene/quality.h>
 #include <scrim/shot/moved_field.h>
 #include <scrim/shot/view_motion.h>
-#include <scrim/verify/verify.h>
+#include <scrim/verify/pilot_picture.h>
 #include <scrim/volume/coarser.h>
 
 #include <algorithm>
@@ -207,33 +207,6 @@ class UsualWays {
     std::pair<double, double> m_outlier{0, 0};
 };
 
-// A picture that is small and cheap, but moves like that of `view`: light that scatters more than once, layers and
-// details of soft lights hardly matter for that.
-ViewScene pilotOf(ViewScene view, double scale) {
-    const auto scaled = [&](int pixels) { return std::max(static_cast<int>(std::lround(scale * pixels)), 1); };
-    view.camera.resolution = {scaled(view.camera.resolution.x), scaled(view.camera.resolution.y)};
-    view.region = view.picture = PixelWindow{0, 0, view.camera.resolution.x, view.camera.resolution.y};
-    view.dials = *presetDials(presetNames().front());
-    view.dials.lightError = 0.1;
-    view.layers.clear();
-    view.deep.reset();
-    for (ViewVolume& volume : view.volumes)
-        if (volume.medium.scattering == Scattering::full) volume.medium.scattering = Scattering::single;
-    return view;
-}
-
-// The relative RMSE of `coarse` if `fine` were true.
-double differenceOf(const Image& coarse, const Image& fine) {
-    PixelSample all;
-    all.candidates = fine.rgba.size() / 4;
-    for (std::size_t i = 0; i < fine.rgba.size(); i += 4) {
-        VerifiedPixel& pixel = all.pixels.emplace_back();
-        std::copy_n(&coarse.rgba[i], 4, pixel.rendered.begin());
-        std::copy_n(&fine.rgba[i], 4, pixel.reference.begin());
-    }
-    return summarise(all).error;
-}
-
 }  // namespace
 
 // The views of a shot at any moment. What does not depend on the moment is made once.
@@ -429,17 +402,19 @@ int ShotMotion::samplesFor(double path) const {
 // so that crops have as many moments as the whole. The midpoint rule's error falls with order 2 where the picture is
 // smooth over a step and with less where an edge passes: 1.4 to 2.5 was measured from 2 to 16 moments.
 double ShotMotion::wantedSamples(double error, double most) const {
-    constexpr double kPilotEdge = 160, kPilotVoxel = 2;  // pixels
+    constexpr int kPilotEdge = 160, kPilotVoxel = 2;  // pixels
     constexpr double kOrder = 1.75, kLeast = 2;
     const Int2 size = m_shot.scene.camera.resolution;
-    const double scale = std::min(1.0, kPilotEdge / std::max(size.x, size.y));
+    const double scale = std::min(1.0, double(kPilotEdge) / std::max(size.x, size.y));
     const Moments moments(m_shot, m_options, std::max(kPilotVoxel / scale, m_shot.scene.dials.lod), middle());
     const ProgressSink waits = partOf(m_options.progress, 0, 0);
     const auto picture = [&](int count) {
         MeanFrame mean(count);
         for (int i = 0; i < count; ++i) {
             const double t = timeOf(i, count);
-            const ViewScene pilot = pilotOf(moments.moved(t, m_shot.sceneAt(t)), scale);
+            ViewScene coarse = moments.moved(t, m_shot.sceneAt(t));
+            coarse.dials = *presetDials(presetNames().front());
+            const ViewScene pilot = pilotView(std::move(coarse), kPilotEdge);
             mean.add(scrim::render(pilot, makePlan(pilot, threadCount(), waits), waits));
         }
         return mean.take().image;
@@ -448,7 +423,7 @@ double ShotMotion::wantedSamples(double error, double most) const {
     for (int count = 4;; count *= 2) {
         Image fine = picture(count);
         // The error of `fine`, if it falls with kOrder.
-        const double left = differenceOf(coarse, fine) / (std::pow(2, kOrder) - 1);
+        const double left = differenceOf(coarse, fine).error / (std::pow(2, kOrder) - 1);
         const double wanted = count * std::pow(left / error, 1 / kOrder);
         // A further pilot pays where it may save renders.
         if (wanted <= 2 * count || 2 * count > most) return std::max(wanted, kLeast);

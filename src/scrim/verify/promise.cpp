@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/promise.h>
 
+#include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/sweep.h>
 #include <scrim/scene/quality.h>
+#include <scrim/verify/pilot_picture.h>
 #include <scrim/verify/pilot_rays.h>
 
 #include <algorithm>
@@ -28,15 +31,11 @@ void resolveEdges(PromisedDials& promised, double finest) {
     promised.expected = std::max(promised.expected, kEdges * std::max(dials.texel, 0.5 * dials.sheetThickness));
 }
 
-// Bounds texels and sheets of surfaces from above. A few rays seldom meet the rims, grooves and edges of shadows that
-// surfaces have most of their error from: HIPIP (examples/paper) got texels of 0.59 and sheets of 2.15 voxels at
-// `standard`, which leave 9.5 % where sheets of 1 and 0.75 leave 1.9 and 1.3 %.
-void boundSurfaces(PromisedDials& promised, double finest) {
-    constexpr double kCoarsest = 1.5, kThickest = 1.25;  // relative to `finest`, and to texels
-    Dials& dials = promised.dials;
-    dials.texel = std::min(dials.texel, kCoarsest * finest);
-    const double thickest = std::max(finest, std::floor(100 * kThickest * dials.texel) / 100);
-    dials.sheetThickness = std::min(dials.sheetThickness, thickest);
+// Coarser texels would lose what pixels show of surfaces, and save little.
+void boundSurfaces(Dials& dials) {
+    constexpr double kCoarsest = 1;
+    dials.texel = std::min(dials.texel, kCoarsest);
+    dials.sheetThickness = std::min(dials.sheetThickness, kCoarsest);
 }
 
 // The error that multiply scattered light may have. Of what texels and sheets leave, about half remains in the means
@@ -86,20 +85,36 @@ double meanSlant(const ViewScene& scene) {
     return powers > 0 ? sum / powers : 0;
 }
 
-ToleranceModel expectedModel(double pilot, double slant, bool classified) {
+ToleranceModel expectedModel(double pilot, double slant) {
     // In 27 scenes drawn at random (tests/tools/bench/promises_scenes.py, seed 1001), texels of one voxel left an error
     // of 0.43 pilot^0.89, within a factor of 1.3 for two of three scenes; sheets of one voxel left a tenth to a third
-    // of that. Surfaces, whose field is not taken from texels, have more of their error from sheets.
-    constexpr double kMargin = 1.65, kSurfaceMargin = 1.5, kSheets = 0.25, kSurfaceSheets = 0.9;
+    // of that.
+    constexpr double kMargin = 1.65, kSheets = 0.25;
     // Sheets of one voxel, in smoke1.vdb with the sun at 0, 35 and 70 degrees to the view and the same from behind,
     // left 0.1 to 0.2, 0.35 to 0.8 and 0.9 to 1.7 %. The random scenes above average over slants of about 0.55.
     constexpr double kMeanSlant = 0.55, kUpright = 0.2;
     const double oblique = std::max(slant / kMeanSlant, kUpright);
-    // Pilots of surfaces above this come from a few rays along rims in pictures that are nearly black.
-    constexpr double kMostOfSurfaces = 0.2;
-    if (classified) pilot = std::min(pilot, kMostOfSurfaces);
-    const double texels = (classified ? kSurfaceMargin : kMargin) * 0.43 * std::pow(std::max(pilot, 1e-6), 0.89);
-    return {texels, oblique * (classified ? kSurfaceSheets : kSheets) * texels};
+    const double texels = kMargin * 0.43 * std::pow(std::max(pilot, 1e-6), 0.89);
+    return {texels, oblique * kSheets * texels};
+}
+
+ToleranceModel modelOfSurfaces(const ViewScene& scene) {
+    // A few rays seldom meet the rims, grooves and edges of shadows that surfaces have most of their error from. In 19
+    // scenes of tests/tools/bench/promises.py --scans, texels and sheets of 0.34 voxels left 0.04 to 0.15 of the
+    // difference between pictures with 1.4 and 1 voxels, and 0.1 on average; of any other number of rays, or by any
+    // fixed dials, they left errors from 0.14 to 2.8 %.
+    constexpr int kEdge = 128;
+    constexpr double kCoarse = 1.4, kFine = 1, kMargin = 0.87;  // at one voxel; 0.125 at 0.34 voxels
+    const auto picture = [&](double voxels) {
+        ViewScene pilot = pilotView(scene, kEdge);
+        pilot.dials.texel = pilot.dials.sheetThickness = voxels;
+        return render(pilot, makePlan(pilot, threadCount())).image;
+    };
+    const Verification difference = differenceOf(picture(kCoarse), picture(kFine));
+    const double error = kMargin * std::max({difference.error, difference.alphaError, 1e-6});
+    // Sheets are as thick as texels are wide: dialsFor() leaves them a third of error^2. With bonsai.toml, 0.34 and 0.5
+    // voxels, or 0.5 and 0.34, are no better in their time than 0.42 for both.
+    return {std::sqrt(2.0 / 3) * error, std::sqrt(1.0 / 3) * error};
 }
 
 PromisedDials dialsFor(const Dials& dials, const ToleranceModel& model, double promised, double finest) {
@@ -138,11 +153,10 @@ PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) 
     const double promised = promisedError(quality, classified);
     // With dials this fine, kinks, rounding and quantised footprints lower the order of convergence.
     constexpr double kFine = 2e-3, kFineAim = 0.6;
-    // The last of the error of opaque surfaces, mostly at the edges of their shadows, would take minutes. Texels and
-    // sheets of 0.4, 0.28 and 0.22 voxels leave 2.1, 1.0 and 0.5 % (teddy bear) or 1.3, 0.7 and 0.4 % (brain). Where
-    // this limit is not fine enough, a warning says so.
+    // The last of the error of opaque surfaces, mostly at the edges of their shadows, would take minutes. Where this
+    // limit is not fine enough, a warning says so.
     const double finest =
-        classified ? std::clamp(std::floor(34 * std::pow(promised / 0.02, 0.47)) / 100, 0.12, 0.5) : kFinestPromised;
+        classified ? std::clamp(std::floor(28 * std::pow(promised / 0.02, 0.47)) / 100, 0.12, 0.5) : kFinestPromised;
     // The scenes in which the errors were measured had lights. Where none shines, sheets lie along the picture and only
     // edges of the volume are visible: the error is twice as large, and larger in thin media.
     constexpr double kUnlit = 2;
@@ -153,14 +167,16 @@ PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) 
     // Cells leave an error of their own where voxels are opaque; finer texels cost less than finer cells.
     constexpr double kSoft = 1.5, kSoftAndOpaque = 2, kOpaque = 1;
     const double soft = !softlyLit(scene) ? 1 : depthOfVoxel(scene) > kOpaque ? kSoftAndOpaque : kSoft;
-    double error = pilotError(scene, kRays);
-    // Lights that miss all volumes say nothing about the error.
-    if (lit && error == 0) error = kUnlit * pilotError(unlit(scene), kRays);
-    const double pilot = (lit ? 1 : kUnlit) * soft * error;
-    PromisedDials out = dialsFor(scene.dials, expectedModel(pilot, meanSlant(scene), classified),
+    const auto modelOfMedia = [&] {
+        double error = pilotError(scene, kRays);
+        // Lights that miss all volumes say nothing about the error.
+        if (lit && error == 0) error = kUnlit * pilotError(unlit(scene), kRays);
+        return expectedModel((lit ? 1 : kUnlit) * soft * error, meanSlant(scene));
+    };
+    PromisedDials out = dialsFor(scene.dials, classified ? modelOfSurfaces(scene) : modelOfMedia(),
                                  promised < kFine ? kFineAim * promised : promised, finest);
     out.promised = promised;
-    if (classified) boundSurfaces(out, finest);
+    if (classified) boundSurfaces(out.dials);
     if (solidsBlock(scene)) resolveEdges(out, finest);
     if (const auto scattered = scatterPilot(scene)) {
         out.scattering.emplace().promised = promisedScatteringError(quality);

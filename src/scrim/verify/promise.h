@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The error that a preset promises. Before anything is rendered, a few rays through the scene (pilot_rays.h) choose the
-// dials that should keep the promise. The choice does not depend on crops, threads or memory, so all parts of a picture
-// get the same dials.
+// The error that a preset promises. Before anything is rendered, a few rays through the scene (pilot_rays.h), or two
+// small pictures of it (pilot_picture.h), choose the dials that should keep the promise. The choice does not depend on
+// crops, threads or memory, so all parts of a picture get the same dials.
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -32,9 +32,12 @@ struct PromisedDials {
 /// because a sheet holds exactly what a ray along the sheets' axis meets, but on slanted rays also what lies beside it.
 double meanSlant(const ViewScene& scene);
 
-/// The model of the error that texels and sheets leave in a scene where pilotError() is `pilot`. Its margin covers nine
-/// of ten scenes.
-ToleranceModel expectedModel(double pilot, double slant, bool classified);
+/// The model of the error that texels and sheets leave in a scene of media where pilotError() is `pilot`. Its margin
+/// covers nine of ten scenes.
+ToleranceModel expectedModel(double pilot, double slant);
+
+/// The same of a scene with classified volumes, from two small pictures of it.
+ToleranceModel modelOfSurfaces(const ViewScene& scene);
 
 /// `dials` with the cheapest texels and sheets that keep `promised` by `model`, none finer than `finest` voxels, and
 /// with the other dials that the promise requires.

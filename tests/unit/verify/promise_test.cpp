@@ -9,6 +9,10 @@
 #include <scrim/verify/promise.h>
 #include <scrim/verify/verify.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 namespace scrim::test {
@@ -88,8 +92,8 @@ TEST(PromisedDials, MakeSheetsThickerWhereLightFallsAlongTheView) {
     scene.lights.push_back(distantLight(across, 100));
     scene.lights.back().shadows = false;
     EXPECT_NEAR(meanSlant(scene), std::sqrt(2.0) - 1, 1e-9);
-    EXPECT_GT(dialsFor({}, expectedModel(0.05, 0, false), 0.01).dials.sheetThickness,
-              2 * dialsFor({}, expectedModel(0.05, 1, false), 0.01).dials.sheetThickness);
+    EXPECT_GT(dialsFor({}, expectedModel(0.05, 0), 0.01).dials.sheetThickness,
+              2 * dialsFor({}, expectedModel(0.05, 1), 0.01).dials.sheetThickness);
 }
 
 TEST(PilotRays, SayTheSameOfEveryCropWithAnyThreads) {
@@ -148,6 +152,39 @@ TEST(Presets, LeaveLittleMoreThanTheyPromiseWithoutALight) {
                     << ", sheets " << chosen.dials.sheetThickness;
             }
         }
+}
+
+ViewScene surface(double radius, double bumps) {
+    const int edge = static_cast<int>(radius) + 4;
+    const auto field = makeField(Int3(-edge), Int3(edge), 1, [&](const Vec3& is) {
+        const double rough = bumps * std::sin(1.3 * is.x) * std::sin(1.1 * is.y) * std::sin(1.7 * is.z);
+        return std::clamp(0.5 + 0.2 * (radius - glm::length(is)) + rough, 0.0, 1.0);
+    });
+    ViewScene scene = orthographicScene(field, {1, Rgb(0.9), {}}, 2.6 * radius, 64);
+    Classified look;
+    look.transfer = {{0.3, Rgb(1), 0}, {0.5, Rgb(1, 0.5, 0.2), 2}, {1, Rgb(1, 0.5, 0.2), 2}};
+    scene.volumes[0].classified = std::make_shared<const Classified>(look);
+    scene.lights = {distantLight({1, -0.5, -0.6})};
+    return scene;
+}
+
+// No other tells of grooves that throw shadows into each other.
+TEST(PilotPictures, ChooseFinerDialsForARoughSurfaceThanForASmoothOne) {
+    const PromisedDials smooth = promisedDials(surface(12, 0), "standard"),
+                        rough = promisedDials(surface(12, 0.4), "standard");
+    EXPECT_LT(rough.dials.texel, 0.8 * smooth.dials.texel);
+    EXPECT_EQ(rough.dials.texel, rough.dials.sheetThickness);
+    EXPECT_LE(smooth.dials.texel, 1);
+}
+
+TEST(PilotPictures, SayTheSameOfEveryCropWithAnyThreads) {
+    ViewScene scene = surface(8, 0.2);
+    const ToleranceModel whole = modelOfSurfaces(scene);
+    EXPECT_GT(whole.texels, 0);
+    scene.region = {3, 5, 9, 8};
+    scene.dials.antialias = 2;
+    for (const int threads : {1, 3})
+        TaskArena(threads).run([&] { EXPECT_EQ(modelOfSurfaces(scene).texels, whole.texels); });
 }
 
 // A few rays find no edge of a surface that only ambient light shows. Texels of 2 and sheets of 4 voxels, which would

@@ -250,6 +250,7 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
     SampleTile points;
     alignas(64) Real part[kTileSize], at[kTileSize];
     Real* samples = sampleScratch(layout);
+    bool onward = false;  // the sheet before was crossed in its middle plane, too
     for (int i = 0; i < walk.planeCount; ++i) {
         const int p = walk.planes[i];
         const int step = p + walk.firstStep;
@@ -259,6 +260,8 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
             walk.cutSlab(m_frontToBack, step, part, at);
         else
             std::fill(at, at + kTileSize, static_cast<Real>(step));
+        points.rays = seen == Seen::all ? &walk.rays : nullptr;
+        points.step = static_cast<Real>(step);
         points.spacing = m_eye.pixelSpacing(walk.block + step + 0.5);
         const auto toSlope = static_cast<Real>(shader.slopeScale());
         for (int k = 0; k < kTileSize; ++k) {
@@ -273,7 +276,10 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
         std::uint8_t open[kTileSize];
         for (int k = 0; m_frontToBack && k < kTileSize; ++k)
             open[k] = 1 + states[layout.floats() * (k + 1) - 1] >= m_cutoff ? 1 : 0;
-        if (!shader.shadePoints(p, points, cells, m_frontToBack ? open : nullptr, samples, work.shade)) continue;
+        const bool shows = shader.shadePoints(p, points, cells, m_frontToBack ? open : nullptr,
+                                              onward && seen == Seen::all, samples, work.shade);
+        onward = seen == Seen::all;
+        if (!shows) continue;
         const SheetSamples shaded{samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd()};
         if (shaded.part) holdOut(tile, walk, part, at, samples);
         if (m_deep) m_deep->add(tile, walk.block + step, shaded, static_cast<Real>(step));

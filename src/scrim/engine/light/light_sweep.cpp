@@ -182,23 +182,39 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
 
 // Opaque matter is often thinner than a sheet. How much of its light is lost within the sheet then depends on the
 // course of the light's own ray through it.
-void LightSweep::lookUpEnds(int p, std::size_t i, const SampleTile& samples,
+void LightSweep::lookUpEnds(int p, std::size_t number, const SampleTile& samples,
                             const std::vector<const Surface*>& surfaces, const Real* extinction, Real* first,
                             Real* last) const {
-    const SheetLight& light = m_onSheets[p].lights[i];
-    const Shadow& shadow = *m_onSheets[p].shadows[i];
+    const SheetLight& light = m_onSheets[p].lights[number];
+    const Shadow& shadow = *m_onSheets[p].shadows[number];
     const auto thickness = static_cast<Real>(m_group.sheets.thickness);
     const Real texels = thickness / static_cast<Real>(m_group.sheets.texel);
     // The field at a few points does not tell the course of a light within the sheet, or of one that crosses it at a
     // steep slant. Both ends are then looked up in the middle.
     const bool apart = light.withinSheet && (light.distant || light.distanceW > thickness);
-    SampleTile rays{};
+    // Few of a tile's samples meet something in one sheet. Only theirs are looked up.
+    thread_local SampleTile some, rays;
+    int live[kTileSize], count = 0;
+    for (int k = 0; k < kTileSize; ++k) {
+        first[k] = last[k] = 0;
+        if (extinction[k] > 0) live[count++] = k;
+    }
+    if (count == 0) return;
+    for (int i = 0; i < kTileSize; ++i) {
+        const int k = live[std::min(i, count - 1)];
+        some.u[i] = samples.u[k];
+        some.v[i] = samples.v[k];
+        some.eyeA[i] = samples.eyeA[k];
+        some.eyeB[i] = samples.eyeB[k];
+    }
+    const int looked = (count + kTileEdge - 1) / kTileEdge * kTileEdge;
+    alignas(64) Real tau[kTileSize];
     for (const Real face : {Real(-0.5), Real(0.5)}) {
         const Real shift = apart ? face : Real(0);  // sheets from the middle plane
         const Real inverse = light.distant ? Real(0) : 1 / (light.distanceW / thickness + shift);
         for (int k = 0; k < kTileSize; ++k) {
-            const Real u = samples.u[k] + shift * texels * samples.eyeA[k];
-            const Real v = samples.v[k] + shift * texels * samples.eyeB[k];
+            const Real u = some.u[k] + shift * texels * some.eyeA[k];
+            const Real v = some.v[k] + shift * texels * some.eyeB[k];
             const Real du = light.distant ? light.slopeA * texels : (u - light.texelU) * inverse;
             const Real dv = light.distant ? light.slopeB * texels : (v - light.texelV) * inverse;
             rays.u[k] = u - shift * du;
@@ -206,19 +222,22 @@ void LightSweep::lookUpEnds(int p, std::size_t i, const SampleTile& samples,
             rays.eyeA[k] = du / texels;
             rays.eyeB[k] = dv / texels;
         }
-        shadow.lookUpPoints(p, rays.u, rays.v, face < 0 ? first : last);
+        shadow.lookUpPoints(p, rays.u, rays.v, looked, tau);
+        for (int i = 0; i < count; ++i) (face < 0 ? first : last)[live[i]] = tau[i];
     }
     if (!light.withinSheet) return;
-    const auto add = [&](const Real* own) {
-        for (int k = 0; k < kTileSize; ++k) {
-            const Real a = rays.eyeA[k], b = rays.eyeB[k];
-            last[k] += own[k] * thickness * std::sqrt(1 + a * a + b * b);
-        }
+    const auto add = [&](int i, Real own) {
+        const Real a = rays.eyeA[i], b = rays.eyeB[i];
+        last[live[i]] += own * thickness * std::sqrt(1 + a * a + b * b);
     };
-    if (!apart) return add(extinction);
-    alignas(64) Real mean[kTileSize];
-    for (const Surface* surface : surfaces)
-        if (surface->meanExtinction(p, rays, mean)) add(mean);
+    for (int i = 0; i < count && !apart; ++i) add(i, extinction[live[i]]);
+    thread_local ClassifiedTile through;
+    for (std::size_t s = 0; s < surfaces.size() && apart; ++s) {
+        through.leave();
+        through.count = looked;
+        if (!surfaces[s]->meanExtinction(p, rays, through)) continue;
+        for (int i = 0; i < count; ++i) add(i, through.extinction[i]);
+    }
 }
 
 std::uint64_t LightSweep::solidRays() const {

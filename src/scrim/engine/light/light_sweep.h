@@ -37,7 +37,7 @@ class LightSweep {
     const OnSheet& onSheet(int p) const { return m_onSheets[p]; }
     /// Tau towards one of the lights of sheet `p`, which must be shadowed, where the eye's rays cross the sheet's
     /// faces: the one where light enters (`first`) and the other one; 256 values each. All extinction is that of
-    /// `surfaces`, and `extinction` is what the samples see of it.
+    /// `surfaces`, and `extinction` is what the samples see of it; where they see none, tau is not looked up.
     void lookUpEnds(int p, std::size_t light, const SampleTile& samples, const std::vector<const Surface*>& surfaces,
                     const Real* extinction, Real* first, Real* last) const;
     std::size_t bytes() const;

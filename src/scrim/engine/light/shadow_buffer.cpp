@@ -112,8 +112,9 @@ namespace {
 
 // As attenuateTile, with the extinction that `surfaces` have along the light's rays through sheet s. The field is
 // smooth between texels where its classification jumps, so edges of shadows stay sharp, and opaque matter does not leak
-// into the texel beside it.
-void attenuateAlongRays(const AttenuateTile& tile, int s, const std::vector<const Surface*>& surfaces) {
+// into the texel beside it. `classified`: one for each surface, and the same ones from sheet to sheet.
+void attenuateAlongRays(const AttenuateTile& tile, int s, const LightView& view, const Int2& cell,
+                        const std::vector<const Surface*>& surfaces, std::vector<ClassifiedTile>& classified) {
     // Beyond this optical depth nothing is lit, and it does not matter how dark it is.
     constexpr Real kDark = 16;
     Real least = kDark;
@@ -123,21 +124,22 @@ void attenuateAlongRays(const AttenuateTile& tile, int s, const std::vector<cons
         least = std::min(least, *std::min_element(row, row + kTileEdge));
     }
     if (least == kDark) return;
-    SampleTile rays;
-    for (int k = 0; k < kTileSize; ++k) {
-        const auto x = static_cast<Real>(k % kTileEdge), y = static_cast<Real>(k / kTileEdge);
-        rays.u[k] = tile.u + x * tile.step;
-        rays.v[k] = tile.v + y * tile.step;
-        rays.eyeA[k] = tile.slopeA + x * tile.slopeStep;
-        rays.eyeB[k] = tile.slopeB + y * tile.slopeStep;
-    }
-    alignas(64) Real mean[kTileSize];
-    for (const Surface* surface : surfaces) {
-        if (!surface->meanExtinction(s, rays, mean)) continue;
-        for (int k = 0; k < kTileSize; ++k) {
-            const Real a = rays.eyeA[k], b = rays.eyeB[k];
-            tile.tau[k / kTileEdge * tile.tauStride + k % kTileEdge] +=
-                mean[k] * tile.path * std::sqrt(1 + a * a + b * b);
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+        if (!surfaces[i]->meanExtinction(s, view, cell, classified[i])) continue;
+        const auto way = [&](int x, int y) {
+            const Real a = tile.slopeA + static_cast<Real>(x) * tile.slopeStep,
+                       b = tile.slopeB + static_cast<Real>(y) * tile.slopeStep;
+            return tile.path * std::sqrt(1 + a * a + b * b);
+        };
+        const bool parallel = tile.slopeStep == 0;
+        const Real one = way(0, 0);
+        const Real* mean = classified[i].extinction;
+        for (int y = 0; y < kTileEdge; ++y, mean += kTileEdge) {
+            Real* const row = tile.tau + y * tile.tauStride;
+            if (parallel)
+                for (int x = 0; x < kTileEdge; ++x) row[x] += mean[x] * one;
+            else
+                for (int x = 0; x < kTileEdge; ++x) row[x] += mean[x] * way(x, y);
         }
     }
 }
@@ -149,11 +151,10 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
     const int tileY = m_windowTileY + task;
     const auto tilesPerSheet = std::size_t(m_windowTilesX) * std::size_t(m_windowTilesY);
     std::uint64_t samples = 0;
-    for (int s = 0; s < m_count; ++s) {
-        const std::uint8_t* used = m_used.data() + std::size_t(s) * tilesPerSheet + std::size_t(task * m_windowTilesX);
-        if (std::find(used, used + m_windowTilesX, 1) == used + m_windowTilesX) continue;
-        const LightView::Cells map = m_view.at(m_firstSheet + s);
-
+    const auto isUsed = [&](int s, int x) {
+        return m_used[std::size_t(s) * tilesPerSheet + std::size_t(task * m_windowTilesX + x)] != 0;
+    };
+    const auto tileOf = [&](int s, int x, const LightView::Cells& map) {
         AttenuateTile tile{};
         tile.extinction = extinction.view(s, m_simd);
         tile.nearest = m_nearest;
@@ -161,29 +162,37 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
         tile.step = static_cast<Real>(map.scale);
         tile.tauStride = m_view.width;
         tile.entryStride = windowWidth();
-        for (int x = 0; x < m_windowTilesX; ++x) {
-            if (!used[x]) continue;
-            const int cellX = (m_windowTileX + x) * kTileEdge, cellY = tileY * kTileEdge;
-            tile.u = static_cast<Real>(map.offsetU + cellX * map.scale);
-            tile.v = static_cast<Real>(map.offsetV + cellY * map.scale);
-            const double s0 = m_view.slopeScale;
-            if (m_view.distant) {
-                tile.slopeA = static_cast<Real>(m_view.tsSource.x * s0);
-                tile.slopeB = static_cast<Real>(m_view.tsSource.y * s0);
-            } else {
-                tile.slopeA = static_cast<Real>((m_view.first.x + cellX * m_view.cell) * s0);
-                tile.slopeB = static_cast<Real>((m_view.first.y + cellY * m_view.cell) * s0);
-                tile.slopeStep = static_cast<Real>(m_view.cell * s0);
-            }
-            tile.tau = m_tau.data() + static_cast<std::ptrdiff_t>(cellY) * m_view.width + cellX;
-            tile.entry = m_entry.data() + std::size_t(s) * entryStride() +
-                         static_cast<std::ptrdiff_t>(task * kTileEdge) * windowWidth() + x * kTileEdge;
-            if (surfaces.empty())
-                attenuateTile(tile);
-            else
-                attenuateAlongRays(tile, s, surfaces);
-            samples += kTileSize;
+        const int cellX = (m_windowTileX + x) * kTileEdge, cellY = tileY * kTileEdge;
+        tile.u = static_cast<Real>(map.offsetU + cellX * map.scale);
+        tile.v = static_cast<Real>(map.offsetV + cellY * map.scale);
+        const double s0 = m_view.slopeScale;
+        if (m_view.distant) {
+            tile.slopeA = static_cast<Real>(m_view.tsSource.x * s0);
+            tile.slopeB = static_cast<Real>(m_view.tsSource.y * s0);
+        } else {
+            tile.slopeA = static_cast<Real>((m_view.first.x + cellX * m_view.cell) * s0);
+            tile.slopeB = static_cast<Real>((m_view.first.y + cellY * m_view.cell) * s0);
+            tile.slopeStep = static_cast<Real>(m_view.cell * s0);
         }
+        tile.tau = m_tau.data() + static_cast<std::ptrdiff_t>(cellY) * m_view.width + cellX;
+        tile.entry = m_entry.data() + std::size_t(s) * entryStride() +
+                     static_cast<std::ptrdiff_t>(task * kTileEdge) * windowWidth() + x * kTileEdge;
+        samples += kTileSize;
+        return tile;
+    };
+    // Texels are read plane by plane. Surfaces are followed along their rays, tile by tile.
+    for (int s = 0; s < m_count && surfaces.empty(); ++s) {
+        const LightView::Cells map = m_view.at(m_firstSheet + s);
+        for (int x = 0; x < m_windowTilesX; ++x)
+            if (isUsed(s, x)) attenuateTile(tileOf(s, x, map));
+    }
+    std::vector<ClassifiedTile> classified(surfaces.size());
+    for (int x = 0; x < m_windowTilesX && !surfaces.empty(); ++x) {
+        for (ClassifiedTile& through : classified) through.leave();
+        for (int s = 0; s < m_count; ++s)
+            if (isUsed(s, x))
+                attenuateAlongRays(tileOf(s, x, m_view.at(m_firstSheet + s)), s, m_view,
+                                   {(m_windowTileX + x) * kTileEdge, tileY * kTileEdge}, surfaces, classified);
     }
     return samples;
 }
@@ -230,13 +239,13 @@ void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, Real* tau) const {
                   tau);
 }
 
-void ShadowBuffer::lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const {
+void ShadowBuffer::lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const {
     if (!lit(s)) {
-        std::fill(tau, tau + kTileSize, Real(0));
+        std::fill(tau, tau + count, Real(0));
         return;
     }
     const LightView::Cells map = m_view.at(m_firstSheet + s);
-    samplePoints(entryPlane(s), u, v, m_nearest, kTileSize, tau, static_cast<Real>(1 / map.scale),
+    samplePoints(entryPlane(s), u, v, m_nearest, count, tau, static_cast<Real>(1 / map.scale),
                  static_cast<Real>(-map.offsetU / map.scale), static_cast<Real>(-map.offsetV / map.scale));
 }
 
@@ -294,18 +303,18 @@ void ViewShadow::lookUpTile(int s, int texelX, int texelY, Real* tau) const {
         u[k] = static_cast<Real>(texelX + k % kTileEdge);
         v[k] = static_cast<Real>(texelY + k / kTileEdge);
     }
-    lookUpPoints(s, u, v, tau);
+    lookUpPoints(s, u, v, kTileSize, tau);
 }
 
-void ViewShadow::lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const {
+void ViewShadow::lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const {
     const Mat3 rsFromPlane = m_raster.fromPlane(m_firstSheet + s + 0.5);
     alignas(64) Real x[kTileSize], y[kTileSize];
-    for (int k = 0; k < kTileSize; ++k) {
+    for (int k = 0; k < count; ++k) {
         const Vec3 p = rsFromPlane * Vec3(u[k], v[k], 1);
         x[k] = static_cast<Real>(p.x / p.z);
         y[k] = static_cast<Real>(p.y / p.z);
     }
-    samplePoints({entry(s), m_raster.width, m_raster.height, 0, 0, m_simd}, x, y, m_nearest, kTileSize, tau);
+    samplePoints({entry(s), m_raster.width, m_raster.height, 0, 0, m_simd}, x, y, m_nearest, count, tau);
 }
 
 std::size_t ViewShadow::bytes(const Lattice& raster, int batchSheets) {

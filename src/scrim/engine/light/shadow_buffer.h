@@ -41,8 +41,8 @@ class Shadow {
     virtual void prefilter(int /*s*/) {}
     /// Tau at entry into sheet s of the batch for the 16 x 16 texels from (texelX, texelY), in rows of 16.
     virtual void lookUpTile(int s, int texelX, int texelY, Real* tau) const = 0;
-    /// The same at 256 arbitrary texel positions.
-    virtual void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const = 0;
+    /// The same at `count` arbitrary texel positions, a multiple of 16 and at most 256.
+    virtual void lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const = 0;
     virtual std::size_t bytes() const = 0;
 };
 
@@ -71,7 +71,7 @@ class ShadowBuffer final : public Shadow {
     void prefilter(int s) override;
 
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
-    void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const override;
+    void lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const override;
 
     std::size_t bytes() const override;
     /// Upper bound on the bytes of a buffer.
@@ -114,7 +114,7 @@ class ViewShadow final : public Shadow {
     /// `extinction` has this raster.
     std::uint64_t attenuate(int task, const PlaneStack& extinction, const std::vector<const Surface*>&) override;
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
-    void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const override;
+    void lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const override;
 
     std::size_t bytes() const override { return (m_tau.size() + m_path.size() + m_entry.size()) * sizeof(Real); }
     static std::size_t bytes(const Lattice& raster, int batchSheets);

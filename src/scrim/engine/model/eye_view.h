@@ -28,17 +28,6 @@ struct SampleSpacing {
     Real t0 = 1, tu = 0, tv = 0;
 };
 
-/// 256 samples of one sheet, in texel coordinates of its raster.
-struct SampleTile {
-    alignas(64) Real u[kTileSize];
-    alignas(64) Real v[kTileSize];
-    alignas(64) Real eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's rays
-    alignas(64) Real eyeB[kTileSize];
-    SampleSpacing spacing;  ///< one texel unless set otherwise
-    /// Depth along the viewing axis, world units, is depth + depthU u + depthV v; only read for the depth output.
-    Real depth = 0, depthU = 0, depthV = 0;
-};
-
 /// The rays of a tile of pixels: texel positions at the batch's first plane, and steps from plane to plane.
 struct RayTile {
     alignas(64) Real u[kTileSize];
@@ -48,6 +37,21 @@ struct RayTile {
     alignas(64) Real startN[kTileSize];  ///< where the ray begins, in sheets from the batch's first plane
     alignas(64) Real depth[kTileSize];   ///< along the viewing axis, world units, at the batch's first plane
     alignas(64) Real stepDepth[kTileSize];
+};
+
+/// 256 samples of one sheet, in texel coordinates of its raster.
+struct SampleTile {
+    alignas(64) Real u[kTileSize];
+    alignas(64) Real v[kTileSize];
+    alignas(64) Real eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's rays
+    alignas(64) Real eyeB[kTileSize];
+    /// The rays that the samples lie on, if they all lie where these meet one plane: `step` planes from the rays'
+    /// first.
+    const RayTile* rays = nullptr;
+    Real step = 0;
+    SampleSpacing spacing;  ///< one texel unless set otherwise
+    /// Depth along the viewing axis, world units, is depth + depthU u + depthV v; only read for the depth output.
+    Real depth = 0, depthU = 0, depthV = 0;
 };
 
 class EyeView {

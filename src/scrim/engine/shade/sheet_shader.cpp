@@ -200,24 +200,20 @@ void SheetShader::addSeen(std::size_t volume, const Real* extinction, Rows& rows
     for (int i = 0; i < m_plan.extinction.count(); ++i) addTimes(weights[i], extinction, rows.seen[i].values);
 }
 
-void SheetShader::gatherTile(int p, const Int2& tile, Rows& rows) const {
-    gather([&](const PlaneStack& planes, Real* to) { copyTile(planes, p, tile.x, tile.y, to); }, rows);
-}
-
 ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) const {
     SampleTile samples;
     m_eye.setTexels(sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples);
     // Surfaces are classified along eye rays, which a plane's texels do not know: texels are treated like points.
     if (!m_surfaces.empty()) {
         ShadeWork work;
-        if (!shadePoints(p, samples, std::nullopt, nullptr, out, work))
+        if (!shadePoints(p, samples, std::nullopt, nullptr, false, out, work))
             std::fill(out, out + m_group.outputs.layout.floats() * kTileSize, Real(0));
         return work;
     }
 
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     Rows& rows = rowsFor(lights.lights.size());
-    gatherTile(p, {tx, ty}, rows);
+    gather([&](const PlaneStack& planes, Real* to) { copyTile(planes, p, tx, ty, to); }, rows);
     for (std::size_t i = 0; i < lights.shadows.size(); ++i)
         if (lights.shadows[i]) lights.shadows[i]->lookUpTile(p, tx * kTileEdge, ty * kTileEdge, rows.tauIn[i].values);
     passSolids(p, samples, rows);
@@ -226,11 +222,11 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
 }
 
 bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells,
-                              const std::uint8_t* open, Real* out, ShadeWork& work) const {
+                              const std::uint8_t* open, bool onward, Real* out, ShadeWork& work) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     Rows& rows = rowsFor(lights.lights.size());
     if (cells)
-        gatherTile(p, *cells, rows);
+        gather([&](const PlaneStack& planes, Real* to) { copyTile(planes, p, cells->x, cells->y, to); }, rows);
     else
         gather([&](const PlaneStack& planes,
                    Real* to) { samplePoints(planes.view(p, m_plan.simd), samples.u, samples.v, false, kTileSize, to); },
@@ -243,6 +239,8 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
                 atCells.u[k] = static_cast<Real>(cells->x * kTileEdge + k % kTileEdge);
                 atCells.v[k] = static_cast<Real>(cells->y * kTileEdge + k / kTileEdge);
             }
+        for (ClassifiedTile& seen : rows.classified)
+            if (!onward) seen.leave();
         classify(p, cells ? atCells : samples, open, rows, work);
     }
     if (!shows(rows)) return false;
@@ -255,7 +253,8 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
         }
     else
         for (std::size_t i = 0; i < lights.shadows.size(); ++i)
-            if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn[i].values);
+            if (lights.shadows[i])
+                lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, kTileSize, rows.tauIn[i].values);
     passSolids(p, samples, rows);
     lookUpScattered(lights.sheet, samples, rows);
     work += shadeTile(inputOf(p, samples, rows), out);

@@ -26,10 +26,10 @@ class SheetShader {
     ShadeWork shadeTexels(int p, int sheet, int tx, int ty, Real* out) const;
 
     /// Shades points of plane p where pixels' rays meet it. `cells`: with per-view splatting, the tile of the eye's own
-    /// lattice whose cells they are. `open`: see Surface::classify. Returns false, and leaves `out` empty, if nothing
-    /// is visible.
+    /// lattice whose cells they are. `open`: see Surface::classify. `onward`: the rays are those of this thread's call
+    /// before. Returns false, and leaves `out` empty, if nothing is visible.
     bool shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, const std::uint8_t* open,
-                     Real* out, ShadeWork& work) const;
+                     bool onward, Real* out, ShadeWork& work) const;
 
     /// Factor that converts texels per sheet to a slope du/dw.
     double slopeScale() const { return m_group.sheets.texel / m_group.sheets.thickness; }
@@ -43,7 +43,6 @@ class SheetShader {
     void addSeen(std::size_t volume, const Real* extinction, Rows& rows) const;
     bool surfacesAlone() const;
     void passSolids(int p, const SampleTile& samples, Rows& rows) const;
-    void gatherTile(int p, const Int2& tile, Rows& rows) const;
     void classify(int p, const SampleTile& at, const std::uint8_t* open, Rows& rows, ShadeWork& work) const;
     bool shows(const Rows& rows) const;
     void chooseScattered(const std::vector<CellLight>& cellLight);

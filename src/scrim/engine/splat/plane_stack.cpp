@@ -50,15 +50,16 @@ HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const Real* u, const
     }
 }
 
-HWY_ATTR void runThroughSheetOnTarget(Real* before, Real* here, Real* behind) {
+HWY_ATTR void runThroughSheetOnTarget(const Real* before, const Real* here, const Real* behind, Real* front,
+                                      Real* middle, Real* back) {
     const DF d;
     forSamples([&](int k) HWY_ATTR {
         const auto a = load(before, k), b = load(here, k), c = load(behind, k);
         const auto blur = hn::Mul(constant(Real(0.125)), hn::Add(hn::NegMulAdd(constant(2), b, a), c));
         const auto sharp = [&](VF value) HWY_ATTR { return hn::Max(hn::Sub(value, blur), constant(0)); };
-        hn::Store(sharp(hn::Mul(constant(Real(0.5)), hn::Add(a, b))), d, before + k);
-        hn::Store(sharp(b), d, here + k);
-        hn::Store(sharp(hn::Mul(constant(Real(0.5)), hn::Add(b, c))), d, behind + k);
+        hn::Store(sharp(hn::Mul(constant(Real(0.5)), hn::Add(a, b))), d, front + k);
+        hn::Store(sharp(b), d, middle + k);
+        hn::Store(sharp(hn::Mul(constant(Real(0.5)), hn::Add(b, c))), d, back + k);
     });
 }
 
@@ -200,8 +201,9 @@ void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool ne
     SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, u, v, nearest, count, out, scale, firstU, firstV);
 }
 
-void runThroughSheet(Real* before, Real* here, Real* behind, Simd simd) {
-    SCRIM_ON_TARGET(simd, runThroughSheetOnTarget)(before, here, behind);
+void runThroughSheet(const Real* before, const Real* here, const Real* behind, Simd simd, Real* front, Real* middle,
+                     Real* back) {
+    SCRIM_ON_TARGET(simd, runThroughSheetOnTarget)(before, here, behind, front, middle, back);
 }
 
 std::pair<Real, Real> rangeOf(const Real* values, int width, int height, std::ptrdiff_t stride, Simd simd) {

@@ -109,12 +109,13 @@ void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool ne
                   Real scale = 1, Real firstU = 0, Real firstV = 0);
 
 /// The field at both faces and in the middle of a sheet, 256 samples each, from its values on the planes of sheets n -
-/// 1, n and n + 1; in place, in buffers aligned to 64 bytes.
+/// 1, n and n + 1; in buffers aligned to 64 bytes, which may be the same.
 ///
 /// These values are means over sheets, and the field is taken to be linear between them. Both make it smoother: by a
 /// 24th of the second difference over a sheet, and by a twelfth on average between planes. An eighth of it is therefore
 /// subtracted (as PlaneStack::prefilter does within the sheet), which halves the error of sharp transfer functions.
-void runThroughSheet(Real* before, Real* here, Real* behind, Simd simd);
+void runThroughSheet(const Real* before, const Real* here, const Real* behind, Simd simd, Real* front, Real* middle,
+                     Real* back);
 
 /// The least and the greatest of a box of values, at least 16 wide, whose rows begin `stride` values apart.
 std::pair<Real, Real> rangeOf(const Real* values, int width, int height, std::ptrdiff_t stride, Simd simd);

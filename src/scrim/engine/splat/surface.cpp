@@ -24,25 +24,36 @@ Range both(const Range& a, const Range& b) {
     return {std::min(a.first, b.first), std::max(a.second, b.second)};
 }
 
-// The least and greatest value of a tile and its neighbouring texels, on some planes.
-Range rangeAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) {
-    const int width = planes[0].width, height = planes[0].height;
-    const int x0 = std::max(0, tx * kTileEdge - 1), x1 = std::min(width, (tx + 1) * kTileEdge + 1);
-    const int y0 = std::max(0, ty * kTileEdge - 1), y1 = std::min(height, (ty + 1) * kTileEdge + 1);
-    const auto on = [&](const FloatPlane& plane) {
-        return rangeOf(plane.data + static_cast<std::ptrdiff_t>(y0) * width + x0, x1 - x0, y1 - y0, width, plane.simd);
-    };
-    return both(on(planes[0]), both(on(planes[1]), on(planes[2])));
+// The least and greatest value of a tile and its neighbouring texels.
+Range rangeAround(const FloatPlane& plane, int tx, int ty) {
+    const int x0 = std::max(0, tx * kTileEdge - 1), x1 = std::min(plane.width, (tx + 1) * kTileEdge + 1);
+    const int y0 = std::max(0, ty * kTileEdge - 1), y1 = std::min(plane.height, (ty + 1) * kTileEdge + 1);
+    return rangeOf(plane.data + static_cast<std::ptrdiff_t>(y0) * plane.width + x0, x1 - x0, y1 - y0, plane.width,
+                   plane.simd);
 }
 
-// The values of a plane where the eye's rays cross it; they move by `texels` per unit of slope.
-void sampleAlongRays(const FloatPlane& plane, const SampleTile& at, Real texels, Real* out) {
-    alignas(64) Real u[kTileSize], v[kTileSize];
+// Where a ray crosses the plane `away` sheets from the samples' own. The result is the same from whichever sheet the
+// question comes, since planes and faces are looked up once for two sheets.
+Vec2 crossing(const SampleTile& at, std::size_t k, double away, double texelsPerSlope) {
+    if (at.rays == nullptr)
+        return {at.u[k] + away * texelsPerSlope * double(at.eyeA[k]),
+                at.v[k] + away * texelsPerSlope * double(at.eyeB[k])};
+    const double step = double(at.step) + away;
+    return {at.rays->u[k] + step * double(at.rays->stepU[k]), at.rays->v[k] + step * double(at.rays->stepV[k])};
+}
+
+SampleTile raysOf(const LightView& view, const Int2& cell, int sheet) {
+    const LightView::Cells map = view.at(sheet);
+    SampleTile rays{};
     for (int k = 0; k < kTileSize; ++k) {
-        u[k] = at.u[k] + texels * at.eyeA[k];
-        v[k] = at.v[k] + texels * at.eyeB[k];
+        const int x = cell.x + k % kTileEdge, y = cell.y + k / kTileEdge;
+        const Vec2 slope = view.distant ? Vec2(view.tsSource) : view.first + view.cell * Vec2(x, y);
+        rays.u[k] = static_cast<Real>(map.offsetU + x * map.scale);
+        rays.v[k] = static_cast<Real>(map.offsetV + y * map.scale);
+        rays.eyeA[k] = static_cast<Real>(slope.x * view.slopeScale);
+        rays.eyeB[k] = static_cast<Real>(slope.y * view.slopeScale);
     }
-    samplePoints(plane, u, v, false, kTileSize, out);
+    return rays;
 }
 
 // Values above a million times the last value of the transfer function are clamped to that, because sums of floats must
@@ -127,8 +138,7 @@ void Surface::classifyTexels(int p, bool wanted) {
             // A tile is active if its texels, or anything between them and their neighbours, may show something,
             // because pixels look there, too.
             if (!anyActive(tx, ty)) continue;
-            const auto [low, high] = rangeAround(around, tx, ty);
-            if (!m_table.anyBetween(low, high)) continue;
+            if (!showsAround(around, tx, ty)) continue;
             if (!wanted) {
                 out.activate(p, tx, ty);
                 continue;
@@ -145,7 +155,7 @@ void Surface::classifyTexels(int p, bool wanted) {
                 texels.u[k] = static_cast<Real>(tx * kTileEdge + k % kTileEdge);
                 texels.v[k] = static_cast<Real>(ty * kTileEdge + k / kTileEdge);
             }
-            runThroughSheet(front, middle, back, m_simd);
+            runThroughSheet(front, middle, back, m_simd, front, middle, back);
             cut(p, texels, front, middle, back, share);
             m_table.meanExtinction(front, middle, back, kTileSize, sigma, m_simd);
             weigh(p, texels, share, sigma);
@@ -154,22 +164,6 @@ void Surface::classifyTexels(int p, bool wanted) {
                 std::copy_n(sigma + y * kTileEdge, kTileEdge, to);
         }
     out.finish(p);
-}
-
-// The place (x, y) of the lattice at N = n, in the axes of `m_faces`: (x W, y W, N, W).
-glm::dvec4 Surface::latticePoint(double x, double y, double n) const {
-    const double w = (1 - m_one.z * n) / (m_one.x * x + m_one.y * y + m_one.w);
-    return {x * w, y * w, n, w};
-}
-
-// The same place in the volume's index space.
-Vec3 Surface::indexPoint(double x, double y, double n) const {
-    return Vec3(m_isFromRs * latticePoint(x, y, n));
-}
-
-// The depth behind a face of the clip, world units, at the place (x, y) of the lattice and N = n.
-double Surface::depthIn(std::size_t face, double x, double y, double n) const {
-    return glm::dot(m_faces[face], latticePoint(x, y, n));
 }
 
 // Shortens the rays' course through the sheet to what lies within the clip; `share` becomes the part that is left.
@@ -205,71 +199,123 @@ const FieldBrick* Surface::voxelsIn(const Bounds& is) const {
 
 // Replaces the field of the splats by that of the volume itself, at the samples whose rays may meet extinction: between
 // texels the field has the edges of voxels, which a surface shows as dents.
-void Surface::sharpen(int p, const SampleTile& at, const std::uint8_t* open, Real* front, Real* middle,
-                      Real* back) const {
-    const double n = m_firstSheet + p, toFace = 0.5 * m_sheets.thickness / m_sheets.texel;
+void Surface::sharpen(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out) const {
+    const double n = m_firstSheet + p, texelsPerSlope = m_sheets.thickness / m_sheets.texel;
     std::array<int, kTileSize> places;
     std::array<std::array<Vec3, 3>, kTileSize> runs;
     std::size_t count = 0;
     Bounds box;
-    const auto [low, high] = std::minmax_element(middle, middle + kTileSize);
+    const bool onward = out.exactSheet == m_firstSheet + p - 1;
+    const auto [low, high] = std::minmax_element(out.middle, out.middle + kTileSize);
     const Real margin = kVague * (*high - *low);
     for (int k = 0; k < kTileSize; ++k) {
         if (open && !open[k]) continue;
-        const auto [least, most] = std::minmax({front[k], middle[k], back[k]});
+        const auto [least, most] = std::minmax({out.front[k], out.middle[k], out.back[k]});
         if (!m_table.anyBetween(least - margin, most + margin)) continue;
-        const double u = at.u[k], v = at.v[k], du = toFace * double(at.eyeA[k]), dv = toFace * double(at.eyeB[k]);
-        runs[count] = {indexPoint(u - du, v - dv, n), indexPoint(u, v, n + 0.5), indexPoint(u + du, v + dv, n + 1)};
-        for (const Vec3& is : runs[count]) box.include(is);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double away = 0.5 * double(i) - 0.5;
+            const Vec2 place = crossing(at, std::size_t(k), away, texelsPerSlope);
+            box.include(runs[count][i] = indexPoint(place.x, place.y, n + 0.5 + away));
+        }
         places[count++] = k;
     }
-    if (count == 0) return;
-    const FieldBrick* const brick = voxelsIn(box);
-    Real* const out[3] = {front, middle, back};
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t end = 0; end < 3; ++end) {
-            const Vec3& is = runs[i][end];
-            out[end][places[i]] = std::min(static_cast<Real>(brick ? brick->value(is) : m_exact.value(is)), m_most);
-        }
+    const FieldBrick* const brick = count > 0 ? voxelsIn(box) : nullptr;
+    const auto exact = [&](const Vec3& is) {
+        return std::min(static_cast<Real>(brick ? brick->value(is) : m_exact.value(is)), m_most);
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+        const int k = places[i];
+        out.front[k] = onward && !std::isnan(out.leaves[k]) ? out.leaves[k] : exact(runs[i][0]);
+        out.middle[k] = exact(runs[i][1]);
+        out.back[k] = exact(runs[i][2]);
+    }
+    out.exactSheet = m_firstSheet + p;
+    std::fill(out.leaves, out.leaves + kTileSize, std::numeric_limits<Real>::quiet_NaN());
+    for (std::size_t i = 0; i < count; ++i) out.leaves[places[i]] = out.back[places[i]];
 }
 
-// The splatted field along the rays' course through the sheet.
-void Surface::sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back) const {
-    const auto texelsPerSlope = static_cast<Real>(m_sheets.thickness / m_sheets.texel);
-    sampleAlongRays(plane(p, -1), at, -texelsPerSlope, front);
-    sampleAlongRays(plane(p, 0), at, 0, middle);
-    sampleAlongRays(plane(p, 1), at, texelsPerSlope, back);
-    runThroughSheet(front, middle, back, m_simd);
+// The splatted field along the rays' course through the sheet. read(plane, away, to) reads a plane that is `away`
+// sheets from the sheet's own where the rays cross it.
+template <class Read>
+void Surface::sampleRun(int p, ClassifiedTile& out, const Read& read) const {
+    const int sheet = m_firstSheet + p;
+    const auto on = [&](int away) { return out.planes[((sheet + away) % 3 + 3) % 3]; };
+    const bool onward = out.sheet == sheet - 1;
+    for (const int away : {-1, 0, 1})
+        if (away == 1 || !onward) read(plane(p, away), away, on(away));
+    out.sheet = sheet;
+    runThroughSheet(on(-1), on(0), on(1), m_simd, out.front, out.middle, out.back);
+}
+
+void Surface::sampleAlong(int p, const SampleTile& at, ClassifiedTile& out) const {
+    const double texelsPerSlope = m_sheets.thickness / m_sheets.texel;
+    sampleRun(p, out, [&](const FloatPlane& from, int away, Real* to) {
+        alignas(64) Real u[kTileSize], v[kTileSize];
+        for (int k = 0; k < out.count; ++k) {
+            const Vec2 place = crossing(at, std::size_t(k), away, texelsPerSlope);
+            u[k] = static_cast<Real>(place.x);
+            v[k] = static_cast<Real>(place.y);
+        }
+        samplePoints(from, u, v, false, out.count, to);
+    });
+}
+
+// True if any texel of a tile, or a neighbour of one, has extinction on any of the planes, or between them.
+bool Surface::showsAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) const {
+    const auto shows = [&](const Range& range) { return m_table.anyBetween(range.first, range.second); };
+    Range range = rangeAround(planes[1], tx, ty);
+    if (!shows(range)) range = both(range, rangeAround(planes[0], tx, ty));
+    if (!shows(range)) range = both(range, rangeAround(planes[2], tx, ty));
+    return shows(range);
 }
 
 // True if any value of the rays' courses has extinction, or is nearer to one that has than `margin`, as a part of their
 // range.
-bool Surface::anyShows(const Real* front, const Real* middle, const Real* back, Real margin) const {
-    const auto of = [&](const Real* values) { return rangeOf(values, kTileSize, 1, kTileSize, m_simd); };
-    const auto [low, high] = both(of(front), both(of(middle), of(back)));
+bool Surface::anyShows(const ClassifiedTile& run, Real margin) const {
+    const auto of = [&](const Real* values) { return rangeOf(values, run.count, 1, run.count, m_simd); };
+    const auto [low, high] = both(of(run.front), both(of(run.middle), of(run.back)));
     margin *= high - low;
     return m_table.anyBetween(low - margin, high + margin);
 }
 
-bool Surface::meanExtinction(int p, const SampleTile& at, Real* out) const {
-    alignas(64) Real front[kTileSize], middle[kTileSize], back[kTileSize], share[kTileSize];
-    std::fill(out, out + kTileSize, Real(0));
-    sampleRun(p, at, front, middle, back);
-    cut(p, at, front, middle, back, share);
-    if (!anyShows(front, middle, back, 0)) return false;
-    m_table.meanExtinction(front, middle, back, kTileSize, out, m_simd);
-    weigh(p, at, share, out);
-    return true;
+bool Surface::meanExtinction(int p, const SampleTile& at, ClassifiedTile& out) const {
+    sampleAlong(p, at, out);
+    return meanOfRun(p, &at, out);
+}
+
+bool Surface::meanExtinction(int p, const LightView& view, const Int2& cell, ClassifiedTile& out) const {
+    const int sheet = m_firstSheet + p;
+    sampleRun(p, out, [&](const FloatPlane& from, int away, Real* to) {
+        const LightView::Cells map = view.at(sheet + away);
+        sampleLattice(from, static_cast<Real>(map.offsetU + cell.x * map.scale),
+                      static_cast<Real>(map.offsetV + cell.y * map.scale), static_cast<Real>(map.scale), false, to);
+    });
+    if (m_faces.empty() && m_look->gradientRamp.empty()) return meanOfRun(p, nullptr, out);
+    const SampleTile at = raysOf(view, cell, sheet);
+    return meanOfRun(p, &at, out);
+}
+
+// `at`: null if nothing depends on places.
+bool Surface::meanOfRun(int p, const SampleTile* at, ClassifiedTile& out) const {
+    alignas(64) Real share[kTileSize];
+    if (at) cut(p, *at, out.front, out.middle, out.back, share);
+    const bool any = anyShows(out, 0);
+    if (any)
+        m_table.meanExtinction(out.front, out.middle, out.back, out.count, out.extinction, m_simd);
+    else
+        std::fill(out.extinction, out.extinction + kTileSize, Real(0));
+    if (any && at) weigh(p, *at, share, out.extinction);
+    return any;
 }
 
 bool Surface::classify(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out) const {
     alignas(64) Real share[kTileSize];
     std::fill(out.extinction, out.extinction + kTileSize, Real(0));
-    sampleRun(p, at, out.front, out.middle, out.back);
-    if (!anyShows(out.front, out.middle, out.back, kVague)) return false;
-    sharpen(p, at, open, out.front, out.middle, out.back);
+    sampleAlong(p, at, out);
+    if (!anyShows(out, kVague)) return false;
+    sharpen(p, at, open, out);
     cut(p, at, out.front, out.middle, out.back, share);
-    if (!anyShows(out.front, out.middle, out.back, 0)) return false;
+    if (!anyShows(out, 0)) return false;
     for (int k = 0; open && k < kTileSize; ++k)  // a value of 0 has no extinction
         if (!open[k]) out.front[k] = out.middle[k] = out.back[k] = 0;
     m_table.meanExtinction(out.front, out.middle, out.back, kTileSize, out.extinction, m_simd);
@@ -343,10 +389,6 @@ void Surface::findNormals(int p, const SampleTile& at, ClassifiedTile& out) cons
         // The normal points out of the denser side, down the gradient.
         for (int c = 0; c < 3; ++c) out.normal[c][k] = some.slope[c][i] * inverse;
     }
-}
-
-std::size_t Surface::bytes() const {
-    return m_field.bytes() + m_extinction.bytes();
 }
 
 std::size_t Surface::bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,

@@ -19,6 +19,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/engine/model/eye_view.h>
+#include <scrim/engine/model/plan.h>
 #include <scrim/engine/splat/field_planes.h>
 #include <scrim/engine/splat/plane_stack.h>
 #include <scrim/engine/splat/transfer_table.h>
@@ -26,16 +27,27 @@
 #include <scrim/base/simd.h>
 #include <scrim/volume/field_sampler.h>
 
+#include <limits>
 #include <memory>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
 namespace scrim {
 
-/// Classified samples for the eye's segments through the sheet.
+/// Classified samples of a tile's rays, the eye's or a light's, on their way through a sheet. Who follows the rays from
+/// sheet to sheet keeps it, so that each plane is looked up once; who turns to other rays calls `leave`.
 struct ClassifiedTile {
-    alignas(64) Real front[kTileSize];  ///< the field where the segments begin, in their middle, and where they end
+    static constexpr int kNoSheet = std::numeric_limits<int>::min();
+    void leave() { sheet = exactSheet = kNoSheet; }
+
+    int count = kTileSize;                  ///< of samples that are asked for; a multiple of 16
+    int sheet = kNoSheet;                   ///< of `planes`
+    int exactSheet = kNoSheet;              ///< of `leaves`
+    alignas(64) Real planes[3][kTileSize];  ///< the field of the splats on sheet n - 1, n, n + 1, at n % 3
+    alignas(64) Real leaves[kTileSize];  ///< the volume's own field where the segments end; NaN: it was not asked for
+    alignas(64) Real front[kTileSize];   ///< the field where the segments begin, in their middle, and where they end
     alignas(64) Real middle[kTileSize];
     alignas(64) Real back[kTileSize];
     alignas(64) Real extinction[kTileSize];   ///< mean, per world unit
@@ -62,17 +74,18 @@ class Surface {
     void classifyTexels(int p, bool values);
     const PlaneStack& extinction() const { return m_extinction; }
 
-    /// The mean extinction, per world unit, that rays meet in sheet firstSheet + p: 256 values. The rays cross the
-    /// sheet's middle plane at `at`, with its slopes (eyeA, eyeB), whether they are the eye's or a light's. Returns
-    /// false, and writes zeros, if there is none.
-    bool meanExtinction(int p, const SampleTile& at, Real* out) const;
+    /// The mean extinction, per world unit, that a light's rays meet in sheet firstSheet + p. They cross the sheet's
+    /// middle plane at `at`, with its slopes (eyeA, eyeB). Returns false, with an extinction of 0, if there is none.
+    bool meanExtinction(int p, const SampleTile& at, ClassifiedTile& out) const;
+    /// The same for the rays through 16 x 16 cells of a light's raster, from `cell` on.
+    bool meanExtinction(int p, const LightView& view, const Int2& cell, ClassifiedTile& out) const;
 
     /// Classifies what the eye sees at positions `at` of the lattice on sheet firstSheet + p. `open`: null, or 256
-    /// flags; samples whose flag is 0 are hidden and have an extinction of 0. Returns false, with an extinction of 0,
-    /// if the samples show nothing.
+    /// flags; samples whose flag is 0 are hidden and have an extinction of 0. `out`: that of the sheet before if the
+    /// rays are the same. Returns false, with an extinction of 0, if the samples show nothing.
     bool classify(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out) const;
 
-    std::size_t bytes() const;
+    std::size_t bytes() const { return m_field.bytes() + m_extinction.bytes(); }
     /// Upper bound on the bytes, known beforehand.
     static std::size_t bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets);
@@ -82,14 +95,25 @@ class Surface {
   private:
     FloatPlane plane(int p, int steps) const;
     struct Some;
-    glm::dvec4 latticePoint(double x, double y, double n) const;
-    Vec3 indexPoint(double x, double y, double n) const;
-    double depthIn(std::size_t face, double x, double y, double n) const;
+    // The place (x, y) of the lattice at N = n: in the axes of `m_faces`, (x W, y W, N, W); in the volume's index
+    // space; and as a depth behind a face of the clip, in world units.
+    glm::dvec4 latticePoint(double x, double y, double n) const {
+        const double w = (1 - m_one.z * n) / (m_one.x * x + m_one.y * y + m_one.w);
+        return {x * w, y * w, n, w};
+    }
+    Vec3 indexPoint(double x, double y, double n) const { return Vec3(m_isFromRs * latticePoint(x, y, n)); }
+    double depthIn(std::size_t face, double x, double y, double n) const {
+        return glm::dot(m_faces[face], latticePoint(x, y, n));
+    }
     void cut(int p, const SampleTile& at, Real* front, Real* middle, Real* back, Real* share) const;
-    void sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back) const;
+    template <class Read>
+    void sampleRun(int p, ClassifiedTile& out, const Read& read) const;
+    void sampleAlong(int p, const SampleTile& at, ClassifiedTile& out) const;
+    bool meanOfRun(int p, const SampleTile* at, ClassifiedTile& out) const;
     const FieldBrick* voxelsIn(const Bounds& is) const;
-    void sharpen(int p, const SampleTile& at, const std::uint8_t* open, Real* front, Real* middle, Real* back) const;
-    bool anyShows(const Real* front, const Real* middle, const Real* back, Real margin) const;
+    void sharpen(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out) const;
+    bool showsAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) const;
+    bool anyShows(const ClassifiedTile& run, Real margin) const;
     void findSlopes(int p, Some& some) const;
     void weigh(int p, const SampleTile& at, const Real* share, Real* extinction) const;
     void findNormals(int p, const SampleTile& at, ClassifiedTile& out) const;

@@ -2,6 +2,7 @@
 #include <scrim/engine/splat/transfer_table.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
@@ -44,8 +45,9 @@ HWY_ATTR HWY_INLINE VF meanBetween(const Lookup& value, VF x, VF y, VF integralX
     return hn::IfThenElse(isShort, middle, quotient);
 }
 
-HWY_ATTR void meanOnTarget(const Real* values, const Real* integrals, int cells, Real beyond, Real cellsPerValue,
-                           const Real* a, const Real* b, const Real* c, int count, Real* out) {
+// `nothing`: all values up to that place are 0.
+HWY_ATTR void meanOnTarget(const Real* values, const Real* integrals, int cells, Real beyond, Real nothing,
+                           Real cellsPerValue, const Real* a, const Real* b, const Real* c, int count, Real* out) {
     const DF d;
     // The tables of integrals are in units of cells, so that means are differences divided by differences of cells.
     const Lookup value{values, cells, 0}, integral{integrals, cells, beyond};
@@ -53,6 +55,10 @@ HWY_ATTR void meanOnTarget(const Real* values, const Real* integrals, int cells,
     for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
         const auto x = hn::Mul(hn::Load(d, a + k), scale), y = hn::Mul(hn::Load(d, b + k), scale),
                    z = hn::Mul(hn::Load(d, c + k), scale);
+        if (hn::AllTrue(d, hn::Le(hn::Max(hn::Max(x, y), z), hn::Set(d, nothing)))) {
+            hn::Store(hn::Zero(d), d, out + k);
+            continue;
+        }
         const auto ix = integral.at(x), iy = integral.at(y), iz = integral.at(z);
         const auto sum = hn::Add(meanBetween(value, x, y, ix, iy), meanBetween(value, y, z, iy, iz));
         hn::Store(hn::Max(hn::Mul(hn::Set(d, Real(0.5)), sum), hn::Zero(d)), d, out + k);
@@ -116,12 +122,15 @@ TransferTable::TransferTable(const Classified& classified) {
         if (points[i - 1].extinction > 0 || points[i].extinction > 0)
             m_opaque.emplace_back(points[i - 1].value, points[i].value);
     if (points.back().extinction > 0) m_opaque.emplace_back(points.back().value, infinity);
+    const double first = m_opaque.empty() ? infinity : m_opaque.front().first / m_cell;
+    m_nothing = static_cast<Real>(std::floor(std::clamp(first, -1.0, double(kCells))));
 }
 
 void TransferTable::mean(const Function& f, const Real* a, const Real* b, const Real* c, int count, Real* out,
                          Simd simd) const {
     SCRIM_ON_TARGET(simd, meanOnTarget)
-    (f.value.data(), f.integral.data(), kCells, f.beyond, static_cast<Real>(1 / m_cell), a, b, c, count, out);
+    (f.value.data(), f.integral.data(), kCells, f.beyond, m_nothing, static_cast<Real>(1 / m_cell), a, b, c, count,
+     out);
 }
 
 void TransferTable::meanExtinction(const Real* a, const Real* b, const Real* c, int count, Real* out, Simd simd) const {

@@ -41,6 +41,7 @@ class TransferTable {
     void mean(const Function& f, const Real* a, const Real* b, const Real* c, int count, Real* out, Simd simd) const;
 
     double m_cell;                                    // width in values; place i is at i * m_cell
+    Real m_nothing;                                   // the place up to which there is no extinction
     std::vector<Function> m_functions;                // extinction, extinction times R, G, B
     std::vector<std::pair<double, double>> m_opaque;  // closed ranges of values; outside of them extinction is 0
 };

@@ -226,7 +226,7 @@ TEST(ShadowBuffer, AtPointsIsTheTileThatHoldsThem) {
         v[k] = static_cast<float>(48 + k / kTileEdge);
     }
     buffer.lookUpTile(11, 32, 48, tile);
-    buffer.lookUpPoints(11, u, v, points);
+    buffer.lookUpPoints(11, u, v, kTileSize, points);
     for (int k = 0; k < kTileSize; ++k) EXPECT_NEAR(points[k], tile[k], 1e-6 * tile[k]);
 }
 
@@ -252,7 +252,7 @@ TEST(ShadowBuffer, SharpenedForOneLookUpIsRightOnAverage) {
             u[k] = 24 + static_cast<float>(k + 0.5) / kTileSize;
             v[k] = 40;
         }
-        buffer.lookUpPoints(1, u, v, tau);
+        buffer.lookUpPoints(1, u, v, kTileSize, tau);
         for (int k = 0; k < kTileSize; ++k) sum += tau[k] - 0.01 * double(u[k]) * u[k];
         return sum / kTileSize;
     };
