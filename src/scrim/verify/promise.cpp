@@ -104,7 +104,7 @@ ToleranceModel modelOfSurfaces(const ViewScene& scene) {
     // difference between pictures with 1.4 and 1 voxels, and 0.1 on average; of any other number of rays, or by any
     // fixed dials, they left errors from 0.14 to 2.8 %.
     constexpr int kEdge = 128;
-    constexpr double kCoarse = 1.4, kFine = 1, kMargin = 0.87;  // at one voxel; 0.125 at 0.34 voxels
+    constexpr double kCoarse = 1.4, kFine = 1, kMargin = 1;
     const auto picture = [&](double voxels) {
         ViewScene pilot = pilotView(scene, kEdge);
         pilot.dials.texel = pilot.dials.sheetThickness = voxels;

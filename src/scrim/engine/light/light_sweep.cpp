@@ -45,6 +45,8 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
       m_simd(plan.simd) {
     const ShadowFilter filter = scene.dials.shadowFilter;
     const int lookUps = plan.shadeAtPixels ? 1 : 2;
+    const bool surfaces = std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                                      [](const ViewVolume& volume) { return volume.classified != nullptr; });
     for (const PlannedLight& light : group.lights) {
         Caster& caster = m_casters.emplace_back();
         if (!light.shadowed) continue;
@@ -56,8 +58,8 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
                                                                group.batchSheets, ExtinctionSum::For::light);
         for (const int i : caster.channels)
             if (light.lattice.shared())
-                caster.shadows[std::size_t(i)] = std::make_unique<ShadowBuffer>(light.view, group.sheets, filter,
-                                                                                lookUps, group.batchSheets, plan.simd);
+                caster.shadows[std::size_t(i)] = std::make_unique<ShadowBuffer>(
+                    light.view, group.sheets, filter, lookUps, group.batchSheets, plan.simd, surfaces);
             else
                 caster.shadows[std::size_t(i)] =
                     std::make_unique<ViewShadow>(light.lattice, group.sheets, filter, group.batchSheets, plan.simd);
@@ -180,6 +182,47 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     return out;
 }
 
+namespace {
+
+// Adds the optical depth of the surfaces along a light's rays through sheet p; `at` is as in Surface::meanExtinction.
+void addDepth(int p, const SampleTile& at, const std::vector<const Surface*>& surfaces, Real thickness, int count,
+              Real* tau) {
+    thread_local ClassifiedTile through;
+    through.count = count;
+    for (const Surface* surface : surfaces) {
+        through.leave();
+        if (!surface->meanExtinction(p, at, through)) continue;
+        for (int k = 0; k < count; ++k)
+            tau[k] +=
+                through.extinction[k] * thickness * std::sqrt(1 + at.eyeA[k] * at.eyeA[k] + at.eyeB[k] * at.eyeB[k]);
+    }
+}
+
+// Tau at entry into sheet p on a light's rays. Between the cells of the buffer, those that have met a surface in the
+// sheet before darken the others, which meet it in this one: a lit surface would be covered with dark patches. So the
+// buffer is asked one sheet earlier, and from there each ray finds its own way.
+void enterAlongRays(int p, const SampleTile& at, const Shadow& shadow, const std::vector<const Surface*>& surfaces,
+                    const Sheets& sheets, int count, Real* tau) {
+    alignas(64) Real before[kTileSize];
+    std::uint8_t known[kTileSize];
+    shadow.lookUpPoints(p, at.u, at.v, count, tau);
+    shadow.lookUpBefore(p, at.u, at.v, count, before, known);
+    if (std::none_of(known, known + count, [](std::uint8_t k) { return k != 0; })) return;
+    const auto texels = static_cast<Real>(sheets.thickness / sheets.texel);
+    thread_local SampleTile earlier;
+    for (int k = 0; k < kTileSize; ++k) {
+        earlier.u[k] = at.u[k] - texels * at.eyeA[k];
+        earlier.v[k] = at.v[k] - texels * at.eyeB[k];
+        earlier.eyeA[k] = at.eyeA[k];
+        earlier.eyeB[k] = at.eyeB[k];
+    }
+    addDepth(p - 1, earlier, surfaces, static_cast<Real>(sheets.thickness), count, before);
+    for (int k = 0; k < count; ++k)
+        if (known[k] != 0) tau[k] = before[k];
+}
+
+}  // namespace
+
 // Opaque matter is often thinner than a sheet. How much of its light is lost within the sheet then depends on the
 // course of the light's own ray through it.
 void LightSweep::lookUpEnds(int p, std::size_t number, const SampleTile& samples,
@@ -222,21 +265,17 @@ void LightSweep::lookUpEnds(int p, std::size_t number, const SampleTile& samples
             rays.eyeA[k] = du / texels;
             rays.eyeB[k] = dv / texels;
         }
-        shadow.lookUpPoints(p, rays.u, rays.v, looked, tau);
+        if (apart)
+            enterAlongRays(p, rays, shadow, surfaces, m_group.sheets, looked, tau);
+        else
+            shadow.lookUpPoints(p, rays.u, rays.v, looked, tau);
         for (int i = 0; i < count; ++i) (face < 0 ? first : last)[live[i]] = tau[i];
     }
     if (!light.withinSheet) return;
-    const auto add = [&](int i, Real own) {
+    if (apart) addDepth(p, rays, surfaces, thickness, looked, tau);
+    for (int i = 0; i < count; ++i) {
         const Real a = rays.eyeA[i], b = rays.eyeB[i];
-        last[live[i]] += own * thickness * std::sqrt(1 + a * a + b * b);
-    };
-    for (int i = 0; i < count && !apart; ++i) add(i, extinction[live[i]]);
-    thread_local ClassifiedTile through;
-    for (std::size_t s = 0; s < surfaces.size() && apart; ++s) {
-        through.leave();
-        through.count = looked;
-        if (!surfaces[s]->meanExtinction(p, rays, through)) continue;
-        for (int i = 0; i < count; ++i) add(i, through.extinction[i]);
+        last[live[i]] = apart ? tau[i] : last[live[i]] + extinction[live[i]] * thickness * std::sqrt(1 + a * a + b * b);
     }
 }
 

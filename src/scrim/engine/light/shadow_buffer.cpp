@@ -31,12 +31,13 @@ TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles)
 }  // namespace
 
 ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps,
-                           int batchSheets, Simd simd)
+                           int batchSheets, Simd simd, bool looksBefore)
     : m_view(view),
       m_simd(simd),
       m_thickness(sheets.thickness),
       m_nearest(filter == ShadowFilter::nearest),
-      m_prefiltering(m_nearest ? Real(0) : static_cast<Real>(lookUps) / 12) {
+      m_prefiltering(m_nearest ? Real(0) : static_cast<Real>(lookUps) / 12),
+      m_looksBefore(looksBefore) {
     m_tau = ZeroedArray<Real>(std::size_t(view.width) * std::size_t(view.height));
     m_used.reserve(std::size_t(batchSheets));
 }
@@ -57,7 +58,15 @@ void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
         }
 }
 
+void ShadowBuffer::keepLast(int nextSheet) {
+    m_beforeWindow = m_firstSheet + m_count == nextSheet && m_looksBefore ? m_window : Box2<int>{};
+    if (m_beforeWindow.empty()) return;
+    m_beforeEntry.assign(entryPlane(m_count - 1).data, entryPlane(m_count).data);
+    m_beforeUsed.assign(usedIn(m_count - 1), usedIn(m_count));
+}
+
 void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered) {
+    keepLast(firstSheet);
     m_firstSheet = firstSheet;
     m_count = count;
     for (int s = 0; s < count; ++s)
@@ -84,16 +93,14 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
                 windowY = {std::min(windowY.first, rows(s)[ty].first), std::max(windowY.last, rows(s)[ty].last)};
             }
     }
-    m_windowTilesX = std::max(0, windowX.last - windowX.first + 1);
-    m_windowTilesY = std::max(0, windowY.last - windowY.first + 1);
-    m_windowTileX = windowX.first;
-    m_windowTileY = windowY.first;
+    m_window = {windowX.first, windowY.first, std::max(windowX.first, windowX.last + 1),
+                std::max(windowY.first, windowY.last + 1)};
     // Windows grow slowly towards the middle of a field. The buffer grows in larger steps, since new memory is slow.
     if (const std::size_t size = entryStride() * std::size_t(count); m_entry.size() < size)
         m_entry =
             ZeroedArray<Real>(std::max(size, std::min(m_entry.size() * 3 / 2, m_tau.size() * std::size_t(count))));
 
-    const auto tilesPerSheet = std::size_t(m_windowTilesX) * std::size_t(m_windowTilesY);
+    const std::size_t tilesPerSheet = m_window.pixelCount();
     m_used.assign(tilesPerSheet * std::size_t(count), 0);
     for (int s = 0; s < count; ++s) {
         if (!m_view.reaches(firstSheet + s)) continue;
@@ -103,7 +110,7 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
                 for (int y = rows(s)[ty].first; y <= rows(s)[ty].last; ++y)
                     for (int x = columns(s)[tx].first; x <= columns(s)[tx].last; ++x)
                         m_used[std::size_t(s) * tilesPerSheet +
-                               std::size_t((y - m_windowTileY) * m_windowTilesX + x - m_windowTileX)] = 1;
+                               std::size_t((y - m_window.y0) * m_window.width() + x - m_window.x0)] = 1;
             }
     }
 }
@@ -148,12 +155,9 @@ void attenuateAlongRays(const AttenuateTile& tile, int s, const LightView& view,
 
 std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
                                       const std::vector<const Surface*>& surfaces) {
-    const int tileY = m_windowTileY + task;
-    const auto tilesPerSheet = std::size_t(m_windowTilesX) * std::size_t(m_windowTilesY);
+    const int tileY = m_window.y0 + task;
     std::uint64_t samples = 0;
-    const auto isUsed = [&](int s, int x) {
-        return m_used[std::size_t(s) * tilesPerSheet + std::size_t(task * m_windowTilesX + x)] != 0;
-    };
+    const auto isUsed = [&](int s, int x) { return usedIn(s)[task * m_window.width() + x] != 0; };
     const auto tileOf = [&](int s, int x, const LightView::Cells& map) {
         AttenuateTile tile{};
         tile.extinction = extinction.view(s, m_simd);
@@ -162,7 +166,7 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
         tile.step = static_cast<Real>(map.scale);
         tile.tauStride = m_view.width;
         tile.entryStride = windowWidth();
-        const int cellX = (m_windowTileX + x) * kTileEdge, cellY = tileY * kTileEdge;
+        const int cellX = (m_window.x0 + x) * kTileEdge, cellY = tileY * kTileEdge;
         tile.u = static_cast<Real>(map.offsetU + cellX * map.scale);
         tile.v = static_cast<Real>(map.offsetV + cellY * map.scale);
         const double s0 = m_view.slopeScale;
@@ -183,29 +187,29 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
     // Texels are read plane by plane. Surfaces are followed along their rays, tile by tile.
     for (int s = 0; s < m_count && surfaces.empty(); ++s) {
         const LightView::Cells map = m_view.at(m_firstSheet + s);
-        for (int x = 0; x < m_windowTilesX; ++x)
+        for (int x = 0; x < m_window.width(); ++x)
             if (isUsed(s, x)) attenuateTile(tileOf(s, x, map));
     }
     std::vector<ClassifiedTile> classified(surfaces.size());
-    for (int x = 0; x < m_windowTilesX && !surfaces.empty(); ++x) {
+    for (int x = 0; x < m_window.width() && !surfaces.empty(); ++x) {
         for (ClassifiedTile& through : classified) through.leave();
         for (int s = 0; s < m_count; ++s)
             if (isUsed(s, x))
                 attenuateAlongRays(tileOf(s, x, m_view.at(m_firstSheet + s)), s, m_view,
-                                   {(m_windowTileX + x) * kTileEdge, tileY * kTileEdge}, surfaces, classified);
+                                   {(m_window.x0 + x) * kTileEdge, tileY * kTileEdge}, surfaces, classified);
     }
     return samples;
 }
 
 void ShadowBuffer::prefilter(int s) {
     if (m_prefiltering == 0 || !lit(s)) return;
-    const std::uint8_t* used = m_used.data() + s * m_windowTilesY * m_windowTilesX;
+    const std::uint8_t* used = usedIn(s);
     const auto isUsed = [&](int x, int y) {
-        return x >= 0 && x < m_windowTilesX && y >= 0 && y < m_windowTilesY && used[y * m_windowTilesX + x] != 0;
+        return x >= 0 && x < m_window.width() && y >= 0 && y < m_window.height() && used[y * m_window.width() + x] != 0;
     };
     // Values are limited to those of their neighbours, so that a lit cell at an opaque edge stays as it is.
-    forPrefilteredTiles(m_entry.data() + std::size_t(s) * entryStride(), m_windowTilesX, m_windowTilesY, windowWidth(),
-                        isUsed, [&](int tx, int ty, HaloTile& halo, Real* out) {
+    forPrefilteredTiles(m_entry.data() + std::size_t(s) * entryStride(), m_window.width(), m_window.height(),
+                        windowWidth(), isUsed, [&](int tx, int ty, HaloTile& halo, Real* out) {
                             // Tiles that take no part are empty; the cells that border on them replace theirs.
                             constexpr int kLast = kTileEdge - 1;
                             if (!isUsed(tx, ty - 1)) std::copy_n(halo.at(0, 0), kTileEdge, halo.at(0, -1));
@@ -218,14 +222,11 @@ void ShadowBuffer::prefilter(int s) {
                         });
 }
 
-// Tau at entry into sheet `firstSheet + s`: a window of the whole raster.
-FloatPlane ShadowBuffer::entryPlane(int s) const {
-    return {m_entry.data() + std::size_t(s) * entryStride(),
-            windowWidth(),
-            m_windowTilesY * kTileEdge,
-            m_windowTileX * kTileEdge,
-            m_windowTileY * kTileEdge,
-            m_simd};
+// Tau at entry into a sheet: a window of the whole raster.
+FloatPlane ShadowBuffer::planeOf(const Real* entry, const Box2<int>& window) const {
+    return {
+        entry, window.width() * kTileEdge, window.height() * kTileEdge, window.x0 * kTileEdge, window.y0 * kTileEdge,
+        m_simd};
 }
 
 void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, Real* tau) const {
@@ -249,8 +250,28 @@ void ShadowBuffer::lookUpPoints(int s, const Real* u, const Real* v, int count, 
                  static_cast<Real>(-map.offsetU / map.scale), static_cast<Real>(-map.offsetV / map.scale));
 }
 
+void ShadowBuffer::lookUpBefore(int s, const Real* u, const Real* v, int count, Real* tau, std::uint8_t* known) const {
+    const Box2<int>& window = s > 0 ? m_window : m_beforeWindow;
+    const std::uint8_t* used = s > 0 ? usedIn(s - 1) : m_beforeUsed.data();
+    std::fill_n(known, count, std::uint8_t{0});
+    if (window.empty()) return;
+    const LightView::Cells map = m_view.at(m_firstSheet + s);
+    const auto isUsed = [&](double cellX, double cellY) {
+        const int x = static_cast<int>(std::floor(cellX / kTileEdge)),
+                  y = static_cast<int>(std::floor(cellY / kTileEdge));
+        return window.contains(x, y) && used[(y - window.y0) * window.width() + x - window.x0] != 0;
+    };
+    for (int k = 0; k < count; ++k) {
+        const double x = (u[k] - map.offsetU) / map.scale, y = (v[k] - map.offsetV) / map.scale;
+        known[k] = isUsed(x, y) && isUsed(x + 1, y) && isUsed(x, y + 1) && isUsed(x + 1, y + 1);
+    }
+    const FloatPlane plane = s > 0 ? entryPlane(s - 1) : planeOf(m_beforeEntry.data(), m_beforeWindow);
+    samplePoints(plane, u, v, m_nearest, count, tau, static_cast<Real>(1 / map.scale),
+                 static_cast<Real>(-map.offsetU / map.scale), static_cast<Real>(-map.offsetV / map.scale));
+}
+
 std::size_t ShadowBuffer::bytes() const {
-    return (m_tau.size() + m_entry.size()) * sizeof(Real) + m_used.size();
+    return (m_tau.size() + m_entry.size() + m_beforeEntry.size()) * sizeof(Real) + m_used.size();
 }
 
 std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets) {
@@ -260,7 +281,7 @@ std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int
     const double drift = view.distant ? (std::abs(view.tsSource.x) + std::abs(view.tsSource.y)) * batchSheets : 0;
     const double window =
         (sheets.width + drift + 4 * kTileEdge) * (sheets.height + drift + 4 * kTileEdge) / (least * least);
-    const auto entry = std::size_t(std::min(window, static_cast<double>(raster))) * std::size_t(batchSheets);
+    const auto entry = std::size_t(std::min(window, static_cast<double>(raster))) * std::size_t(batchSheets + 1);
     return (raster + entry) * sizeof(Real);
 }
 

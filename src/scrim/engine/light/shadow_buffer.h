@@ -43,6 +43,12 @@ class Shadow {
     virtual void lookUpTile(int s, int texelX, int texelY, Real* tau) const = 0;
     /// The same at `count` arbitrary texel positions, a multiple of 16 and at most 256.
     virtual void lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const = 0;
+    /// Tau at entry into the sheet before sheet s, on the light's rays that cross sheet s at `count` positions. `known`
+    /// becomes 0 where that sheet has no extinction near the ray, or lies before the light: tau is then undefined.
+    virtual void lookUpBefore(int /*s*/, const Real* /*u*/, const Real* /*v*/, int count, Real* /*tau*/,
+                              std::uint8_t* known) const {
+        std::fill_n(known, count, std::uint8_t{0});
+    }
     virtual std::size_t bytes() const = 0;
 };
 
@@ -52,8 +58,9 @@ class ShadowBuffer final : public Shadow {
   public:
     /// `lookUps`: the number of bilinear look-ups between this buffer and the picture: one where pixels look into it,
     /// two where texels do and pixels look at the texels. See `prefilter`.
+    /// `looksBefore`: lookUpBefore will be called.
     ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps, int batchSheets,
-                 Simd simd = {});
+                 Simd simd = {}, bool looksBefore = false);
 
     const LightView& view() const { return m_view; }
 
@@ -62,7 +69,7 @@ class ShadowBuffer final : public Shadow {
     void beginBatch(int firstSheet, int count, const PlaneStack& extinction) {
         beginBatch(firstSheet, count, extinction, extinction);
     }
-    int taskCount() const override { return m_windowTilesY; }
+    int taskCount() const override { return m_window.height(); }
     std::uint64_t attenuate(int task, const PlaneStack& extinction,
                             const std::vector<const Surface*>& surfaces) override;
 
@@ -72,6 +79,7 @@ class ShadowBuffer final : public Shadow {
 
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
     void lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const override;
+    void lookUpBefore(int s, const Real* u, const Real* v, int count, Real* tau, std::uint8_t* known) const override;
 
     std::size_t bytes() const override;
     /// Upper bound on the bytes of a buffer.
@@ -79,8 +87,11 @@ class ShadowBuffer final : public Shadow {
 
   private:
     void leaveTheSource(double part, const FloatPlane& extinction);
-    FloatPlane entryPlane(int s) const;
-    bool lit(int s) const { return m_windowTilesX > 0 && m_view.reaches(m_firstSheet + s); }
+    void keepLast(int nextSheet);
+    FloatPlane planeOf(const Real* entry, const Box2<int>& window) const;
+    FloatPlane entryPlane(int s) const { return planeOf(m_entry.data() + std::size_t(s) * entryStride(), m_window); }
+    const std::uint8_t* usedIn(int s) const { return m_used.data() + std::size_t(s) * m_window.pixelCount(); }
+    bool lit(int s) const { return m_window.width() > 0 && m_view.reaches(m_firstSheet + s); }
 
     LightView m_view;
     Simd m_simd;
@@ -91,12 +102,18 @@ class ShadowBuffer final : public Shadow {
 
     // The batch: a window of tiles of the raster, its entry planes, and which tiles take part in which sheet.
     int m_firstSheet = 0, m_count = 0;
-    int m_windowTileX = 0, m_windowTileY = 0, m_windowTilesX = 0, m_windowTilesY = 0;
+    Box2<int> m_window;
     ZeroedArray<Real> m_entry;
     std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window
 
-    int windowWidth() const { return m_windowTilesX * kTileEdge; }
-    std::size_t entryStride() const { return std::size_t(windowWidth()) * std::size_t(m_windowTilesY * kTileEdge); }
+    // The same of the last sheet of the batch before.
+    bool m_looksBefore;
+    Box2<int> m_beforeWindow;
+    std::vector<Real> m_beforeEntry;
+    std::vector<std::uint8_t> m_beforeUsed;
+
+    int windowWidth() const { return m_window.width() * kTileEdge; }
+    std::size_t entryStride() const { return std::size_t(windowWidth()) * std::size_t(m_window.height() * kTileEdge); }
 };
 
 /// The paper's shadow buffer: a raster aligned with its light (or with the image plane), into which the light's own

@@ -89,8 +89,9 @@ class Surface {
     /// Upper bound on the bytes, known beforehand.
     static std::size_t bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets);
-    /// The number of sheets on either side of a batch that a ray's course uses.
-    static constexpr int kHalo = 1;
+    /// The number of sheets on either side of a batch that are looked up: a ray's course takes one, and lights are
+    /// followed from the sheet before.
+    static constexpr int kHalo = 2;
 
   private:
     FloatPlane plane(int p, int steps) const;
