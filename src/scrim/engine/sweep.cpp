@@ -6,7 +6,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/composite/compositor.h>
-#include <scrim/engine/light/caught_shadow.h>
+#include <scrim/engine/light/solid_shadow.h>
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/shade/sheet_shader.h>
 #include <scrim/engine/splat/extinction_sum.h>

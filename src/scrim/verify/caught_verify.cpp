@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/parallel.h>
-#include <scrim/engine/light/caught_shadow.h>
+#include <scrim/engine/light/solid_shadow.h>
 #include <scrim/verify/reference.h>
 #include <scrim/verify/verify.h>
 

@@ -198,27 +198,31 @@ void addDepth(int p, const SampleTile& at, const std::vector<const Surface*>& su
     }
 }
 
-// Tau at entry into sheet p on a light's rays. Between the cells of the buffer, those that have met a surface in the
-// sheet before darken the others, which meet it in this one: a lit surface would be covered with dark patches. So the
-// buffer is asked one sheet earlier, and from there each ray finds its own way.
+// Tau at entry into sheet p on a light's rays. Between the cells of the buffer, those that have met a surface a sheet
+// earlier darken the others, which meet it in this one: a lit surface would be covered with dark patches. So the buffer
+// is asked some sheets earlier, and from there each ray finds its own way.
 void enterAlongRays(int p, const SampleTile& at, const Shadow& shadow, const std::vector<const Surface*>& surfaces,
                     const Sheets& sheets, int count, Real* tau) {
-    alignas(64) Real before[kTileSize];
+    alignas(64) Real before[kTileSize], way[kTileSize];
     std::uint8_t known[kTileSize];
-    shadow.lookUpPoints(p, at.u, at.v, count, tau);
-    shadow.lookUpBefore(p, at.u, at.v, count, before, known);
-    if (std::none_of(known, known + count, [](std::uint8_t k) { return k != 0; })) return;
     const auto texels = static_cast<Real>(sheets.thickness / sheets.texel);
     thread_local SampleTile earlier;
-    for (int k = 0; k < kTileSize; ++k) {
-        earlier.u[k] = at.u[k] - texels * at.eyeA[k];
-        earlier.v[k] = at.v[k] - texels * at.eyeB[k];
-        earlier.eyeA[k] = at.eyeA[k];
-        earlier.eyeB[k] = at.eyeB[k];
+    std::fill_n(way, count, Real(0));
+    shadow.lookUpPoints(p, at.u, at.v, count, tau);
+    for (int back = 1; back <= Shadow::kBefore; ++back) {
+        shadow.lookUpBefore(p, back, at.u, at.v, count, before, known);
+        if (std::none_of(known, known + count, [](std::uint8_t k) { return k != 0; })) return;
+        const Real away = static_cast<Real>(back) * texels;
+        for (int k = 0; k < kTileSize; ++k) {
+            earlier.u[k] = at.u[k] - away * at.eyeA[k];
+            earlier.v[k] = at.v[k] - away * at.eyeB[k];
+            earlier.eyeA[k] = at.eyeA[k];
+            earlier.eyeB[k] = at.eyeB[k];
+        }
+        addDepth(p - back, earlier, surfaces, static_cast<Real>(sheets.thickness), count, way);
+        for (int k = 0; k < count; ++k)
+            if (known[k] != 0) tau[k] = before[k] + way[k];
     }
-    addDepth(p - 1, earlier, surfaces, static_cast<Real>(sheets.thickness), count, before);
-    for (int k = 0; k < count; ++k)
-        if (known[k] != 0) tau[k] = before[k];
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <scrim/engine/light/shadow_buffer.h>
+#include <scrim/engine/light/solid_shadow.h>
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/engine/light/sheet_light.h>

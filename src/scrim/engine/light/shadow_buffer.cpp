@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/light/shadow_buffer.h>
-#include <scrim/base/parallel.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -58,15 +56,24 @@ void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
         }
 }
 
-void ShadowBuffer::keepLast(int nextSheet) {
-    m_beforeWindow = m_firstSheet + m_count == nextSheet && m_looksBefore ? m_window : Box2<int>{};
-    if (m_beforeWindow.empty()) return;
-    m_beforeEntry.assign(entryPlane(m_count - 1).data, entryPlane(m_count).data);
-    m_beforeUsed.assign(usedIn(m_count - 1), usedIn(m_count));
+void ShadowBuffer::keepLast() {
+    for (int back = kBefore; back-- > 0 && m_looksBefore;) {
+        const auto to = std::size_t(back);
+        if (const int s = m_count - 1 - back; s < 0) {  // of a batch before the last one
+            const auto from = std::size_t(back - m_count);
+            m_beforeWindow[to] = m_beforeWindow[from];
+            m_beforeEntry[to] = m_beforeEntry[from];
+            m_beforeUsed[to] = m_beforeUsed[from];
+        } else {
+            m_beforeWindow[to] = m_window;
+            m_beforeEntry[to].assign(entryPlane(s).data, entryPlane(s + 1).data);
+            m_beforeUsed[to].assign(usedIn(s), usedIn(s + 1));
+        }
+    }
 }
 
 void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered) {
-    keepLast(firstSheet);
+    keepLast();
     m_firstSheet = firstSheet;
     m_count = count;
     for (int s = 0; s < count; ++s)
@@ -250,9 +257,12 @@ void ShadowBuffer::lookUpPoints(int s, const Real* u, const Real* v, int count, 
                  static_cast<Real>(-map.offsetU / map.scale), static_cast<Real>(-map.offsetV / map.scale));
 }
 
-void ShadowBuffer::lookUpBefore(int s, const Real* u, const Real* v, int count, Real* tau, std::uint8_t* known) const {
-    const Box2<int>& window = s > 0 ? m_window : m_beforeWindow;
-    const std::uint8_t* used = s > 0 ? usedIn(s - 1) : m_beforeUsed.data();
+void ShadowBuffer::lookUpBefore(int s, int back, const Real* u, const Real* v, int count, Real* tau,
+                                std::uint8_t* known) const {
+    const bool own = s >= back;
+    const auto before = std::size_t(own ? 0 : back - 1 - s);
+    const Box2<int>& window = own ? m_window : m_beforeWindow[before];
+    const std::uint8_t* used = own ? usedIn(s - back) : m_beforeUsed[before].data();
     std::fill_n(known, count, std::uint8_t{0});
     if (window.empty()) return;
     const LightView::Cells map = m_view.at(m_firstSheet + s);
@@ -265,13 +275,15 @@ void ShadowBuffer::lookUpBefore(int s, const Real* u, const Real* v, int count, 
         const double x = (u[k] - map.offsetU) / map.scale, y = (v[k] - map.offsetV) / map.scale;
         known[k] = isUsed(x, y) && isUsed(x + 1, y) && isUsed(x, y + 1) && isUsed(x + 1, y + 1);
     }
-    const FloatPlane plane = s > 0 ? entryPlane(s - 1) : planeOf(m_beforeEntry.data(), m_beforeWindow);
+    const FloatPlane plane = own ? entryPlane(s - back) : planeOf(m_beforeEntry[before].data(), window);
     samplePoints(plane, u, v, m_nearest, count, tau, static_cast<Real>(1 / map.scale),
                  static_cast<Real>(-map.offsetU / map.scale), static_cast<Real>(-map.offsetV / map.scale));
 }
 
 std::size_t ShadowBuffer::bytes() const {
-    return (m_tau.size() + m_entry.size() + m_beforeEntry.size()) * sizeof(Real) + m_used.size();
+    std::size_t floats = m_tau.size() + m_entry.size();
+    for (const std::vector<Real>& entry : m_beforeEntry) floats += entry.size();
+    return floats * sizeof(Real) + m_used.size();
 }
 
 std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets) {
@@ -281,7 +293,7 @@ std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int
     const double drift = view.distant ? (std::abs(view.tsSource.x) + std::abs(view.tsSource.y)) * batchSheets : 0;
     const double window =
         (sheets.width + drift + 4 * kTileEdge) * (sheets.height + drift + 4 * kTileEdge) / (least * least);
-    const auto entry = std::size_t(std::min(window, static_cast<double>(raster))) * std::size_t(batchSheets + 1);
+    const auto entry = std::size_t(std::min(window, static_cast<double>(raster))) * std::size_t(batchSheets + kBefore);
     return (raster + entry) * sizeof(Real);
 }
 
@@ -340,72 +352,6 @@ void ViewShadow::lookUpPoints(int s, const Real* u, const Real* v, int count, Re
 
 std::size_t ViewShadow::bytes(const Lattice& raster, int batchSheets) {
     return std::size_t(raster.width) * std::size_t(raster.height) * std::size_t(2 + batchSheets) * sizeof(Real);
-}
-
-namespace {
-
-// A ray lights sheet n if it ends at N >= n + pastSheet.
-//
-// A surface that hides what is behind it ends the eye's ray at the same place as the light's. The eye's ray then
-// already determines how much of the sheet counts, and the light must not reduce it once more. If eye and light are on
-// the same side of the surface, a sheet is lit if any part of it is, and so is one more sheet, since texels behind the
-// surface are looked up together with those in front of it. If the surface lies between them, the side that the eye
-// sees is dark, and so is the space next to it. Thus the look of a surface does not depend on the positions of the
-// sheets. A surface that does not hide casts shadows from the middle of a sheet on.
-double pastSheet(const SolidHit& hit, const Vec3& wsLight, const Vec3& wsEye) {
-    if (!hit.solid->holdout) return 0.5;
-    return glm::dot(hit.wsNormal, wsLight) * glm::dot(hit.wsNormal, wsEye) > 0 ? -1 : 2;
-}
-
-// The direction of the eye's ray to a point.
-Vec3 eyeTo(const Vec3& ws, const Camera& camera) {
-    return camera.type == CameraType::orthographic ? viewingAxis(camera) : ws - camera.wsPosition;
-}
-
-}  // namespace
-
-SolidShadow::SolidShadow(const Solids& solids, const LightView& view, const Sheets& sheets, const Camera& camera)
-    : m_view(view) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    m_hits.resize(std::size_t(view.width) * std::size_t(view.height));
-    const Vec3 wsSource = sheets.wsPoint(view.tsSource);
-    parallelFor(std::size_t(view.height), [&](std::size_t y) {
-        for (int x = 0; x < view.width; ++x) {
-            const double a = view.first.x + x * view.cell, b = view.first.y + double(y) * view.cell;
-            // N is the parameter of a distant light's ray; for other lights the parameter is N minus that of the
-            // source.
-            const Vec3 origin = view.distant ? sheets.wsPoint({a, b, 0}) : wsSource;
-            const Vec3 along = view.distant ? sheets.wsPoint({a + view.tsSource.x, b + view.tsSource.y, 1}) - origin
-                                            : sheets.wsPoint(view.tsSource + Vec3(a, b, 1)) - wsSource;
-            const SolidHit hit =
-                solids.trace(SolidRole::shadow, origin, along, view.distant ? -kInfinity : 0, kInfinity);
-            const double past = hit.t < kInfinity ? pastSheet(hit, along, eyeTo(origin + hit.t * along, camera)) : 0;
-            m_hits[y * std::size_t(view.width) + std::size_t(x)] =
-                static_cast<float>(hit.t + (view.distant ? 0 : view.tsSource.z) - past);
-        }
-    });
-}
-
-void SolidShadow::multiply(int n, const Real* u, const Real* v, Real* light) const {
-    if (!m_view.reaches(n)) return;
-    const LightView::Cells map = m_view.at(n);
-    const auto scale = static_cast<float>(1 / map.scale);
-    const auto shiftU = static_cast<float>(-map.offsetU / map.scale),
-               shiftV = static_cast<float>(-map.offsetV / map.scale);
-    const auto sheet = static_cast<float>(n);
-    const auto lastX = static_cast<float>(m_view.width - 2), lastY = static_cast<float>(m_view.height - 2);
-    for (int k = 0; k < kTileSize; ++k) {
-        const float x = std::clamp(static_cast<float>(u[k]) * scale + shiftU, 0.0f, lastX);
-        const float y = std::clamp(static_cast<float>(v[k]) * scale + shiftV, 0.0f, lastY);
-        const auto column = static_cast<int>(x), row = static_cast<int>(y);
-        const float* at = m_hits.data() + std::size_t(row) * std::size_t(m_view.width) + std::size_t(column);
-        const auto lit = [sheet](float end) { return end >= sheet ? 1.0f : 0.0f; };
-        const float fx = x - static_cast<float>(column), fy = y - static_cast<float>(row);
-        const float upper = lit(at[0]) + fx * (lit(at[1]) - lit(at[0]));
-        const float* below = at + m_view.width;
-        const float lower = lit(below[0]) + fx * (lit(below[1]) - lit(below[0]));
-        light[k] *= upper + fy * (lower - upper);
-    }
 }
 
 }  // namespace scrim

@@ -14,9 +14,9 @@
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/lattice.h>
 #include <scrim/scene/dials.h>
-#include <scrim/geometry/camera.h>
-#include <scrim/solid/solids.h>
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -43,9 +43,11 @@ class Shadow {
     virtual void lookUpTile(int s, int texelX, int texelY, Real* tau) const = 0;
     /// The same at `count` arbitrary texel positions, a multiple of 16 and at most 256.
     virtual void lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const = 0;
-    /// Tau at entry into the sheet before sheet s, on the light's rays that cross sheet s at `count` positions. `known`
-    /// becomes 0 where that sheet has no extinction near the ray, or lies before the light: tau is then undefined.
-    virtual void lookUpBefore(int /*s*/, const Real* /*u*/, const Real* /*v*/, int count, Real* /*tau*/,
+    /// The number of sheets before a sheet of the batch that lookUpBefore reaches.
+    static constexpr int kBefore = 2;
+    /// Tau at entry into sheet s - `back`, on the light's rays that cross sheet s at `count` positions. `known` becomes
+    /// 0 where that sheet has no extinction near the ray, or lies before the light: tau is then undefined.
+    virtual void lookUpBefore(int /*s*/, int /*back*/, const Real* /*u*/, const Real* /*v*/, int count, Real* /*tau*/,
                               std::uint8_t* known) const {
         std::fill_n(known, count, std::uint8_t{0});
     }
@@ -79,7 +81,8 @@ class ShadowBuffer final : public Shadow {
 
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
     void lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const override;
-    void lookUpBefore(int s, const Real* u, const Real* v, int count, Real* tau, std::uint8_t* known) const override;
+    void lookUpBefore(int s, int back, const Real* u, const Real* v, int count, Real* tau,
+                      std::uint8_t* known) const override;
 
     std::size_t bytes() const override;
     /// Upper bound on the bytes of a buffer.
@@ -87,7 +90,7 @@ class ShadowBuffer final : public Shadow {
 
   private:
     void leaveTheSource(double part, const FloatPlane& extinction);
-    void keepLast(int nextSheet);
+    void keepLast();
     FloatPlane planeOf(const Real* entry, const Box2<int>& window) const;
     FloatPlane entryPlane(int s) const { return planeOf(m_entry.data() + std::size_t(s) * entryStride(), m_window); }
     const std::uint8_t* usedIn(int s) const { return m_used.data() + std::size_t(s) * m_window.pixelCount(); }
@@ -106,11 +109,11 @@ class ShadowBuffer final : public Shadow {
     ZeroedArray<Real> m_entry;
     std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window
 
-    // The same of the last sheet of the batch before.
+    // The same of the last sheets before the batch, the very last one first.
     bool m_looksBefore;
-    Box2<int> m_beforeWindow;
-    std::vector<Real> m_beforeEntry;
-    std::vector<std::uint8_t> m_beforeUsed;
+    std::array<Box2<int>, kBefore> m_beforeWindow;
+    std::array<std::vector<Real>, kBefore> m_beforeEntry;
+    std::array<std::vector<std::uint8_t>, kBefore> m_beforeUsed;
 
     int windowWidth() const { return m_window.width() * kTileEdge; }
     std::size_t entryStride() const { return std::size_t(windowWidth()) * std::size_t(m_window.height() * kTileEdge); }
@@ -146,30 +149,6 @@ class ViewShadow final : public Shadow {
     std::vector<Real> m_path;   // world length of each cell's ray through a sheet
     ZeroedArray<Real> m_tau;    // at entry of the next batch
     ZeroedArray<Real> m_entry;  // at entry of each sheet of the batch
-};
-
-/// Shadows of solids: for each ray of a light's raster, where it first meets a surface. In contrast to optical depth,
-/// this is known before the sweep begins, and is a single number for each ray.
-class SolidShadow {
-  public:
-    /// Traces the rays of `view`, a light of a sweep through `sheets`. `camera` tells which side of a surface is
-    /// visible.
-    SolidShadow(const Solids& solids, const LightView& view, const Sheets& sheets, const Camera& camera);
-
-    /// Multiplies `light` by the fraction, in [0, 1], that passes the solids to 256 texel positions of sheet n. It is
-    /// interpolated linearly between rays that pass and rays that do not.
-    void multiply(int n, const Real* u, const Real* v, Real* light) const;
-
-    std::uint64_t rays() const { return m_hits.size(); }
-    std::size_t bytes() const { return m_hits.size() * sizeof(float); }
-    static std::size_t bytes(const LightView& view) {
-        return std::size_t(view.width) * std::size_t(view.height) * sizeof(float);
-    }
-
-  private:
-    LightView m_view;
-    // The last N of a sheet that each ray lights, in rows of the raster; infinity: it lights all sheets.
-    std::vector<float> m_hits;
 };
 
 }  // namespace scrim

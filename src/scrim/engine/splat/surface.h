@@ -90,8 +90,8 @@ class Surface {
     static std::size_t bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets);
     /// The number of sheets on either side of a batch that are looked up: a ray's course takes one, and lights are
-    /// followed from the sheet before.
-    static constexpr int kHalo = 2;
+    /// followed from two sheets before (Shadow::kBefore).
+    static constexpr int kHalo = 3;
 
   private:
     FloatPlane plane(int p, int steps) const;

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shadows between volumes and solids: those that solids cast onto volumes, and those that volumes cast onto solids
+// which catch them. For the latter rays are marched from the solids to the lights, because the points on solids need
+// not lie in any sheet, and there is only one for each pixel's ray.
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/base/real.h>
+#include <scrim/engine/model/frame.h>
+#include <scrim/engine/model/plan.h>
+#include <scrim/engine/model/sub_lights.h>
+#include <scrim/geometry/camera.h>
+#include <scrim/geometry/sheets.h>
+#include <scrim/scene/view_scene.h>
+#include <scrim/solid/solids.h>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace scrim {
+
+/// Shadows of solids: for each ray of a light's raster, where it first meets a surface. In contrast to optical depth,
+/// this is known before the sweep begins, and is a single number for each ray.
+class SolidShadow {
+  public:
+    /// Traces the rays of `view`, a light of a sweep through `sheets`. `camera` tells which side of a surface is
+    /// visible.
+    SolidShadow(const Solids& solids, const LightView& view, const Sheets& sheets, const Camera& camera);
+
+    /// Multiplies `light` by the fraction, in [0, 1], that passes the solids to 256 texel positions of sheet n. It is
+    /// interpolated linearly between rays that pass and rays that do not.
+    void multiply(int n, const Real* u, const Real* v, Real* light) const;
+
+    std::uint64_t rays() const { return m_hits.size(); }
+    std::size_t bytes() const { return m_hits.size() * sizeof(float); }
+    static std::size_t bytes(const LightView& view) {
+        return std::size_t(view.width) * std::size_t(view.height) * sizeof(float);
+    }
+
+  private:
+    LightView m_view;
+    // The last N of a sheet that each ray lights, in rows of the raster; infinity: it lights all sheets.
+    std::vector<float> m_hits;
+};
+
+/// The point on the first solid of the ray at raster position (x, y), if that solid catches shadows.
+std::optional<Vec3> caughtAt(const Solids& solids, const RayFamily& rays, double x, double y);
+
+/// Fills the layers `shadow` of `frame`: for each light with shadows (an extended one by its sub-lights), the fraction
+/// of red, green and blue that reaches the first solid of a pixel through all volumes, averaged over the pixel's rays.
+/// It is 1 where that solid does not catch shadows, or there is none. Solids cast no shadows here; the renderer that
+/// draws them does that. Returns the number of rays that were marched. Calls `checkpoint` now and then.
+std::uint64_t catchShadows(const ViewScene& scene, const SubLights& subLights, Frame& frame,
+                           const Checkpoint& checkpoint);
+
+}  // namespace scrim
