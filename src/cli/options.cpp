@@ -211,6 +211,7 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     addFile(command, "--deep", "FILE.exr", "deep picture to write, in place of the scene's", o.deep);
     addFile(command, "--preview", "FILE.png", "also write a picture for viewing", o.preview);
     command.add_option("--view", o.view, "view of the OpenColorIO config for previews")->type_name("NAME");
+    command.add_flag("--annotate", o.annotate, "previews with a scale bar and the directions of x, y and z");
     add(command, "--exposure", "STOPS", "exposure of previews; the picture does not change",
         [&o](const std::string& t) {
             o.exposure = numberFrom(

@@ -123,12 +123,16 @@ void SceneInput::change(Scene& scene) const {
     if (!m_options.output.empty()) output.path = pathFrom("--output", m_options.output);
     if (!m_options.deep.empty()) output.deep.path = pathFrom("--deep", m_options.deep);
     if (!m_options.view.empty()) output.preview.view = m_options.view;
+    if (m_options.annotate) output.preview.annotate = true;
     if (!m_options.preview.empty()) output.preview.path = pathFrom("--preview", m_options.preview);
     nameOutputs(output, frame);
 }
 
 void SceneInput::checkPreview(const ScenePreview& preview) const {
-    const char* const option = !m_options.view.empty() ? "--view" : m_options.exposure ? "--exposure" : nullptr;
+    const char* const option = !m_options.view.empty() ? "--view"
+                               : m_options.annotate    ? "--annotate"
+                               : m_options.exposure    ? "--exposure"
+                                                       : nullptr;
     if (option == nullptr) return;
     if (preview.path.pattern.empty())
         throw Error(ErrorKind::usage,

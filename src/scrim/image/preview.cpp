@@ -32,7 +32,8 @@ std::vector<unsigned char> pictureBytes(const std::string& name, const DisplayIm
 }
 
 void writePreview(const std::string& path, const Image& working, const PixelWindow& displayWindow,
-                  const ColourConfig& colour, const std::string& display, const std::string& view, double exposure) {
+                  const ColourConfig& colour, const std::string& display, const std::string& view, double exposure,
+                  const std::optional<PreviewMarks>& marks) {
     if (displayWindow.empty())
         throw Error(ErrorKind::usage, fmt::format("cannot write '{}': the display window is empty", path));
     Image shown = reframed(working, displayWindow);
@@ -41,7 +42,9 @@ void writePreview(const std::string& path, const Image& working, const PixelWind
         for (std::size_t i = 0; i < shown.rgba.size(); ++i)
             if (i % 4 != 3) shown.rgba[i] *= gain;
     }
-    const std::vector<unsigned char> bytes = pictureBytes(path, colour.displayImage(shown, display, view));
+    DisplayImage picture = colour.displayImage(shown, display, view);
+    if (marks) drawMarks(picture, *marks);
+    const std::vector<unsigned char> bytes = pictureBytes(path, picture);
     writeWholeFile(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 

@@ -5,7 +5,9 @@
 
 #include <scrim/image/colour.h>
 #include <scrim/image/image.h>
+#include <scrim/image/preview_marks.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +17,11 @@ namespace scrim {
 /// 8-bit RGB picture of the whole display window. It deliberately has no alpha: PNG would need display-encoded colour
 /// divided by alpha, which overflows wherever a thin volume is bright. The extension chooses the format (".png",
 /// ".jpg", ...). `exposure`: stops by which the preview is brighter. An empty `display` or `view` stands for the
-/// default. The file appears completely or not at all. Throws an Error of kind `output`, `usage` for an empty display
-/// window, or `input` for an unknown view.
+/// default. `marks`: those to draw into it. The file appears completely or not at all. Throws an Error of kind
+/// `output`, `usage` for an empty display window, or `input` for an unknown view.
 void writePreview(const std::string& path, const Image& working, const PixelWindow& displayWindow,
-                  const ColourConfig& colour, const std::string& display, const std::string& view, double exposure = 0);
+                  const ColourConfig& colour, const std::string& display, const std::string& view, double exposure = 0,
+                  const std::optional<PreviewMarks>& marks = {});
 
 /// The bytes of an opaque picture file in the format of the extension of `name`. Throws Error(output), which names the
 /// file `name`.

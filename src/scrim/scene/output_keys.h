@@ -16,6 +16,10 @@ struct PreviewKeys : Section {
     const Key& display =
         text("display", "the name of a display", "A display of the colour config.").unless("the config's");
     const Key& view = text("view", "the name of a view", "A view of the display.").unless("the display's");
+    const Key& annotate =
+        boolean("annotate", false,
+                "Draws a bar of a round length, in world units, and the directions of x, y and z into the lower "
+                "corners. The bar is true at the middle of the volumes.");
 };
 
 struct HoldoutKeys : SectionOf<SceneHoldout> {
@@ -68,7 +72,7 @@ struct OutputKeys : SectionOf<SceneOutput> {
                               "later [[output]].");
     const Key& fps = number("fps", Range::aboveTo(0, 1e6, "frames a second"), &SceneOutput::fps,
                             "Frames per second, for the header and for velocities per second.");
-    const Key& preview = path("preview", "a path, or a table with 'file', 'display' and 'view'",
+    const Key& preview = path("preview", "a path, or a table with 'file', 'display', 'view' and 'annotate'",
                               "A picture for viewing, written beside the picture.")
                              .orTable(keysOf<PreviewKeys>());
     const Key& deep = path("deep", "a path such as \"plume.deep.####.exr\"",

@@ -216,8 +216,9 @@ struct SceneMesh {
 struct ScenePreview {
     std::string file;  ///< the path at this frame; empty: no preview
     FramePath path;
-    std::string display;  ///< name of the display; "": the config's default
-    std::string view;     ///< name of the view; "": the display's default
+    std::string display;    ///< name of the display; "": the config's default
+    std::string view;       ///< name of the view; "": the display's default
+    bool annotate = false;  ///< with a scale bar and the directions of x, y and z
 };
 
 /// A deep picture that is written beside the flat one.

@@ -262,20 +262,29 @@ std::size_t writeFrameDeep(const ShotFrame::Content& content, const std::string&
     return writeDeepExr(path, deep, options, attributesOf(content, false));
 }
 
-void writeFramePreview(const ShotFrame::Content& content, const std::string& path) {
+namespace {
+
+void writePreviewOf(const ShotFrame::Content& content, const Image& image, const PixelWindow& window,
+                    const std::string& path) {
     const ScenePreview& preview = content.scene.output.preview;
-    writePreview(path, content.image, displayWindowOf(content.scene), content.colour, preview.display, preview.view,
-                 content.previewExposure);
+    std::optional<PreviewMarks> marks;
+    if (preview.annotate) marks = {content.scene.camera, content.wsMiddle};
+    writePreview(path, image, window, content.colour, preview.display, preview.view, content.previewExposure, marks);
 }
 
-void writePreviewOfPicture(const SceneOutput& output, FilePicture picture, const ColourConfig& colour,
-                           double exposure) {
+}  // namespace
+
+void writeFramePreview(const ShotFrame::Content& content, const std::string& path) {
+    writePreviewOf(content, content.image, displayWindowOf(content.scene), path);
+}
+
+void writePreviewOfPicture(const ShotFrame::Content& content, FilePicture picture) {
+    const SceneOutput& output = content.scene.output;
     if (!picture.problem.empty())
         throw Error(ErrorKind::input, fmt::format("cannot read '{}': {}", output.file, shortened(picture.problem)));
     Image image{{0, 0, picture.width, picture.height}, std::move(picture.rgba)};
-    colour.convert(image, output.colorspace, colour.workingSpace());
-    writePreview(output.preview.file, image, image.window, colour, output.preview.display, output.preview.view,
-                 exposure);
+    content.colour.convert(image, output.colorspace, content.colour.workingSpace());
+    writePreviewOf(content, image, image.window, output.preview.file);
 }
 
 }  // namespace scrim

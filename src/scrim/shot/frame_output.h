@@ -26,6 +26,7 @@ struct ShotFrame::Content {
     ShotReport report = {};
     bool skipped = false;
     double previewExposure = 0;  ///< stops
+    Vec3 wsMiddle{0};            ///< of the volumes; only where previews are annotated
 };
 
 /// Takes the picture and the layers of `frame`. Throws Error(render) where any value is infinite or NaN.
@@ -41,8 +42,8 @@ std::size_t writeFrameDeep(const ShotFrame::Content& content, const std::string&
 /// Writes the picture as a display shows it. Throws Error.
 void writeFramePreview(const ShotFrame::Content& content, const std::string& path);
 
-/// Writes the preview of a picture that was written before, brighter by `exposure` stops. `output` gives the view and
-/// the preview's path. Throws Error, of kind `input` where the picture could not be read.
-void writePreviewOfPicture(const SceneOutput& output, FilePicture picture, const ColourConfig& colour, double exposure);
+/// Writes the preview of a picture that was written before, as writeFramePreview does that of a frame with this
+/// content, which has no picture. Throws Error, of kind `input` where the picture could not be read.
+void writePreviewOfPicture(const ShotFrame::Content& content, FilePicture picture);
 
 }  // namespace scrim

@@ -79,6 +79,11 @@ void warnOfPromise(const std::string& preset, const PromisedDials& chosen, const
                            s->choice.why));
 }
 
+Vec3 middleOf(const LoadedShot& loaded, const RenderOptions& options) {
+    const Bounds ws = wsBounds(loaded.view(options, loaded.scene.dials.lod, VolumesOf::picture));
+    return ws.empty() ? Vec3(0) : ws.center();
+}
+
 }  // namespace
 
 void Shot::Content::frameAsset(const RenderOptions& options) {
@@ -242,6 +247,7 @@ ShotFrame Shot::Content::render(Scene scene, double seconds, const RenderOptions
         timed(report.seconds.load, [&] { return loadOnce(std::move(scene), options, volumesOf, ShotUse::render); });
     frame->skipped = !loaded;
     if (loaded) {
+        if (scene.output.preview.annotate) frame->wsMiddle = middleOf(*loaded, options);
         bool first = true;
         takeFrame(*frame, renderLoaded(*loaded, options, report, [&](std::size_t buffers) {
             if (std::exchange(first, false)) readAhead(options, *loaded, volumesOf, buffers);
@@ -346,8 +352,15 @@ void Shot::previewFromPicture(int frame, const RenderOptions& options) {
     withThreads(options.threads, [&] {
         Scene scene = withOptions(m_content->sceneUnframed(frame), options, *m_content->stores);
         const LoadOptions load = limited(m_content->load, options);
-        writePreviewOfPicture(scene.output, readPicture(scene.output.file, load, options.checkpoint),
-                              m_content->stores->colour, options.previewExposure);
+        FilePicture picture = readPicture(scene.output.file, load, options.checkpoint);
+        ShotFrame::Content content{scene, "", m_content->stores->colour, {}};
+        content.previewExposure = options.previewExposure;
+        if (scene.output.preview.annotate) {
+            content.scene = scene = withOptions(m_content->sceneAt(frame, options), options, *m_content->stores);
+            if (const auto loaded = m_content->loadOnce(scene, options, VolumesOf::picture, ShotUse::render))
+                content.wsMiddle = middleOf(*loaded, options);
+        }
+        writePreviewOfPicture(content, std::move(picture));
         return 0;
     });
 }

@@ -220,6 +220,23 @@ TEST_F(Asset, PreviewsTakeAViewAndAnExposure) {
                   "--exposure: there is no preview to apply it to; --preview FILE.png writes one");
     expectFailure({"render", "scene.toml", "--exposure", "bright", "--preview", "d.png"}, kUsage,
                   "--exposure bright: expected stops from -30 to 30");
+    expectFailure({"render", "scene.toml", "--annotate"}, kUsage,
+                  "--annotate: there is no preview to apply it to; --preview FILE.png writes one");
+    // The same marks on a preview that is made of the picture afterwards.
+    const std::vector<std::string> annotated{"render", "scene.toml", "--annotate", "--preview", "e.ppm"};
+    runWell(annotated);
+    const std::string marked = readBytes(file("e.ppm"));
+    EXPECT_NE(marked, readBytes(file("a.ppm")));
+    std::filesystem::remove(file("e.ppm"));
+    std::vector<std::string> again = annotated;
+    again.push_back("--skip-existing");
+    runWell(again);
+    EXPECT_EQ(readBytes(file("e.ppm")).size(), marked.size());
+    std::size_t differ = 0;
+    const std::string later = readBytes(file("e.ppm"));
+    for (std::size_t i = 0; i < marked.size(); ++i)
+        differ += std::abs(int(static_cast<unsigned char>(later[i])) - int(static_cast<unsigned char>(marked[i]))) > 3;
+    EXPECT_EQ(differ, 0u) << "but for the picture's rounding to half";
 }
 
 TEST_F(Asset, AScanIsFramedAndLit) {

@@ -115,14 +115,27 @@ TEST(Slides, AreTheSameForThreadsCropsAndInstructionSets) {
     }
 }
 
-TEST(BatchSize, DoesNotChangeABit) {
-    const ViewScene scene = smokeScene();
+void expectTheSameWithAnyBatch(const ViewScene& scene) {
     Plan plan = makePlan(scene, 2);
     const auto whole = render(scene, plan).image.rgba;
-    for (const int sheets : {3, 8, 20}) {
+    for (const int sheets : {1, 3, 8, 20}) {
         for (GroupPlan& group : plan.groups) group.batchSheets = sheets;
         EXPECT_EQ(whole, render(scene, plan).image.rgba) << sheets << " sheets a batch";
     }
+}
+
+TEST(BatchSize, DoesNotChangeABit) {
+    expectTheSameWithAnyBatch(smokeScene());
+}
+
+// Rays follow surfaces from sheet to sheet, and lights from two sheets before.
+TEST(BatchSize, DoesNotChangeABitOfASurface) {
+    ViewScene scene = smokeScene();
+    Classified look;
+    look.transfer = {{0.2, Rgb(1), 0}, {0.3, Rgb(1, 0.5, 0.2), 2}, {1, Rgb(0.2, 0.5, 0.2), 2}};
+    scene.volumes[0].classified = std::make_shared<const Classified>(look);
+    scene.lights.push_back(lamp({40, 30, 60}, 4000));
+    expectTheSameWithAnyBatch(scene);
 }
 
 TEST(OrderOfLights, DoesNotChangeAnything) {

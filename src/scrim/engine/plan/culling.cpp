@@ -284,7 +284,7 @@ NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const
     // Neighbouring sheets count where their values are used, too.
     double reach = 1;
     for (const ViewVolume& volume : scene.volumes)
-        if (volume.classified) reach = 1 + Surface::kHalo;
+        if (volume.classified) reach = 1 + Surface::kBefore;
     const std::array<Vec3, 8> box = seen.corners();
     const Points eye(box.begin(), box.end());
     std::vector<Points> hulls{eye};

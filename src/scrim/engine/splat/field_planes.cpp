@@ -119,7 +119,7 @@ FieldPlanes::FieldPlanes(const std::vector<std::vector<ViewField>>& placements, 
         if (const auto* splatter = std::get_if<FieldSplatter>(&one.splatter)) m_bandTiles = splatter->bandTiles();
     }
     for (std::size_t f = 0; f < placements.front().size(); ++f)
-        m_planes.emplace_back(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1);
+        m_planes.emplace_back(batchSheets + settings.before + settings.behind, lattice.width, lattice.height, 1);
 }
 
 void FieldPlanes::place(std::vector<ViewField> fields, std::vector<const float*> values) {
@@ -182,11 +182,11 @@ void FieldPlanes::prepare() {
 void FieldPlanes::beginBatch(int firstSheet, int count) {
     if (m_origin < 0) {
         m_origin = firstSheet;
-        m_readySheet = firstSheet - m_settings.halo;
+        m_readySheet = firstSheet - m_settings.before;
     }
     m_runs.clear();
     m_firstReady = m_readySheet;
-    const int end = firstSheet + count + m_settings.halo;
+    const int end = firstSheet + count + m_settings.behind;
     while (m_readySheet < end) {
         const int wrap = planes().planes() - planeOf(m_readySheet);
         m_runs.push_back(m_readySheet);
@@ -248,7 +248,7 @@ std::size_t FieldPlanes::bytes() const {
 // The largest sum of bytes of placements that reach into the same batch.
 std::size_t FieldPlanes::bytes(const std::vector<ViewField>& placements, const Settings& settings, const Dials& dials,
                                const Sheets& sheets, const Lattice& lattice, int batchSheets) {
-    const int batch = batchSheets + 2 * settings.halo;
+    const int batch = batchSheets + settings.before + settings.behind;
     std::map<int, std::ptrdiff_t> changes;  // by the first sheet of the batch
     for (const ViewField& field : placements) {
         const auto [first, last] = reachOf(field, dials, sheets);

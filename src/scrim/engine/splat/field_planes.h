@@ -21,7 +21,7 @@ class FieldPlanes {
         Real scale = 1;                                 ///< factor on every voxel
         Real most = std::numeric_limits<float>::max();  ///< scaled voxels are clamped to this
         int stepsPerVoxel = 8;                          ///< of its footprints, see FootprintTable
-        int halo = 0;                                   ///< sheets kept on either side of a batch
+        int before = 0, behind = 0;                     ///< sheets kept on either side of a batch
     };
 
     /// Splats onto the cells of `lattice`, which is the sheets' own or a view's. Fields, `dials`, `sheets` and
@@ -43,9 +43,9 @@ class FieldPlanes {
     int planesToFinish() const { return m_readySheet - m_firstReady; }
     void finish(int plane);
 
-    /// The plane of a sheet of the batch or its halo. Planes form a ring, so that every sheet is splatted only once.
-    int planeOf(int sheet) const { return (sheet - m_origin + m_settings.halo) % planes().planes(); }
-    /// Without a halo, planes [0, count) are those of the batch.
+    /// The plane of a sheet of the batch or beside it. Planes form a ring, so that every sheet is splatted only once.
+    int planeOf(int sheet) const { return (sheet - m_origin + m_settings.before) % planes().planes(); }
+    /// Without sheets beside it, planes [0, count) are those of the batch.
     const PlaneStack& planes(std::size_t field = 0) const { return m_planes[field]; }
 
     std::size_t bytes() const;

@@ -68,7 +68,8 @@ FieldPlanes::Settings settingsOf(const ViewVolume& volume, const Dials& dials) {
     FieldPlanes::Settings settings;
     settings.most = mostValue(*volume.classified);
     settings.stepsPerVoxel = std::min(2 * dials.footprintSteps, kMostSteps);
-    settings.halo = Surface::kHalo;
+    settings.before = Surface::kBefore;
+    settings.behind = Surface::kBehind;
     return settings;
 }
 

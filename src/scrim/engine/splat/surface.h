@@ -89,9 +89,9 @@ class Surface {
     /// Upper bound on the bytes, known beforehand.
     static std::size_t bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets);
-    /// The number of sheets on either side of a batch that are looked up: a ray's course takes one, and lights are
+    /// The number of sheets on either side of a batch that are looked up. A ray's course takes one, and lights are
     /// followed from two sheets before (Shadow::kBefore).
-    static constexpr int kHalo = 3;
+    static constexpr int kBefore = 3, kBehind = 1;
 
   private:
     FloatPlane plane(int p, int steps) const;
