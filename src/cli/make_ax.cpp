@@ -3,6 +3,7 @@
 
 #include "guarded_loading.h"
 #include "interrupt.h"
+#include "text_file.h"
 
 #include <scrim/base/atomic_file.h>
 #include <scrim/base/error.h>
@@ -11,8 +12,6 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <fstream>
-#include <iterator>
 
 namespace scrim::cli {
 namespace {
@@ -33,12 +32,6 @@ std::vector<double> numbersOf(const std::string& name, const std::string& text) 
         throw Error(ErrorKind::usage, fmt::format("'{}={}': expected a number, or three with commas between them", name,
                                                   shortened(text, 80)));
     return numbers;
-}
-
-std::string textOf(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw Error(ErrorKind::input, fmt::format("{}: cannot be read", path));
-    return {std::istreambuf_iterator<char>(file), {}};
 }
 
 }  // namespace

@@ -32,7 +32,8 @@ Json outputsOf(const SceneInput& input, int frame) {
     add("file", input.output());
     add("deep", input.deep());
     add("preview", input.preview());
-    for (std::size_t i = 0; i < input.files().size(); ++i) add(fmt::format("file{}", i + 2).c_str(), input.files()[i]);
+    for (std::size_t i = 0; i < input.files().size(); ++i)
+        add(fmt::format("file{}", i + 2).c_str(), input.files()[i].path);
     return out;
 }
 

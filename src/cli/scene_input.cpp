@@ -97,7 +97,7 @@ void SceneInput::begin() {
     m_output = scene.output.path;
     m_preview = scene.output.preview.path;
     m_deep = scene.output.deep.path;
-    for (const OutputFile& more : scene.output.files) m_files.push_back(more.path);
+    m_files = scene.output.files;
     checkPreview(scene.output.preview);
     if (lowerExtension(m_output.pattern) != ".exr")
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.exr'; --preview writes other "
@@ -110,7 +110,7 @@ void SceneInput::begin() {
 
 std::vector<FramePath> SceneInput::exrs() const {
     std::vector<FramePath> all{m_output};
-    all.insert(all.end(), m_files.begin(), m_files.end());
+    for (const OutputFile& more : m_files) all.push_back(more.path);
     if (!m_deep.pattern.empty()) all.push_back(m_deep);
     return all;
 }
@@ -223,9 +223,9 @@ std::size_t framesOf(const std::vector<SceneInput>& inputs, const std::string& n
 }
 
 void claimOutputs(const std::vector<SceneInput>& inputs, const SceneOptions& options, FileClaims& claims) {
-    const auto claim = [&](const SceneInput& input, const FramePath& path, int frame, const std::string& role) {
+    const auto claim = [&](const SceneInput& input, const FramePath& path, int frame, const std::string& of) {
         if (path.pattern.empty()) return;
-        const std::string file = path.outputAt(frame), of = fmt::format("{} of {}", role, input.name());
+        const std::string file = path.outputAt(frame);
         const std::string other = claims.writes(file, of);
         if (other.empty()) return;
         if (other == of && !path.outputHasFrame())
@@ -239,10 +239,12 @@ void claimOutputs(const std::vector<SceneInput>& inputs, const SceneOptions& opt
     };
     for (const SceneInput& input : inputs)
         for (const int frame : input.frames()) {
-            claim(input, input.output(), frame, "the picture");
-            claim(input, input.preview(), frame, "the preview");
-            claim(input, input.deep(), frame, "the deep picture");
-            for (const FramePath& more : input.files()) claim(input, more, frame, "a file of layers");
+            const std::string name = " of " + input.name();
+            claim(input, input.output(), frame, "the picture" + name);
+            claim(input, input.preview(), frame, "the preview" + name);
+            claim(input, input.deep(), frame, "the deep picture" + name);
+            for (const OutputFile& more : input.files())
+                claim(input, more.path, frame, "the file of layers at " + more.where);
         }
     if (!options.stats.empty()) claims.writesAlone(options.stats, "--stats");
 }

@@ -36,9 +36,8 @@ class SceneInput {
     /// The patterns before the frame number is put in; the preview's is empty where none is wanted.
     const FramePath& output() const { return m_output; }
     const FramePath& preview() const { return m_preview; }
-    const FramePath& deep() const { return m_deep; }  ///< likewise, for the deep picture
-    /// Those of further files.
-    const std::vector<FramePath>& files() const { return m_files; }
+    const FramePath& deep() const { return m_deep; }                  ///< likewise, for the deep picture
+    const std::vector<OutputFile>& files() const { return m_files; }  ///< further files
     /// All EXR files: the picture, further files, and the deep picture if it is wanted.
     std::vector<FramePath> exrs() const;
 
@@ -60,7 +59,7 @@ class SceneInput {
     Shot m_shot;
     std::vector<int> m_frames;
     FramePath m_output, m_preview, m_deep;
-    std::vector<FramePath> m_files;
+    std::vector<OutputFile> m_files;
     std::optional<PixelWindow> m_crop;
     std::shared_ptr<TemporaryFolder> m_folder;  // holds files that the scene names
 };

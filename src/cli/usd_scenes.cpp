@@ -3,6 +3,7 @@
 
 #include "interrupt.h"
 #include "python_program.h"
+#include "text_file.h"
 
 #include <scrim/base/child_process.h>
 #include <scrim/base/descriptor.h>
@@ -18,8 +19,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -106,12 +105,6 @@ std::vector<std::string> fieldsOf(const std::string& line) {
     }
     fields.resize(std::max<std::size_t>(fields.size(), 4));
     return fields;
-}
-
-std::string textOf(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw Error(ErrorKind::input, path + ": cannot be read: " + std::strerror(errno));
-    return {std::istreambuf_iterator<char>(file), {}};
 }
 
 void addScene(UsdScenes& out, const std::vector<std::string>& fields) {

@@ -182,7 +182,9 @@ class Code:
             variable = self._known[key] = make(node, output)
             if self._varying.intersection(_WORD.findall(" ".join(self.lines[first:]))):
                 self._varying.add(variable[0])
-        return self.vector(variable) if vector else self.scalar(variable, output in ("Color", "Result"))
+        # All results of a Mix node have one name; its data type tells a colour from a vector.
+        colour = output == "Color" or (output == "Result" and getattr(node, "data_type", "") == "RGBA")
+        return self.vector(variable) if vector else self.scalar(variable, colour)
 
     def _value(self, node, output):
         return self._new(_number(node.outputs[0].default_value), False)
@@ -298,11 +300,12 @@ class Code:
     def _mix(self, node, output):
         kind = getattr(node, "data_type", "RGBA")
         first = {"FLOAT": 2, "VECTOR": 4, "RGBA": 6}.get(kind)
-        if first is None or (kind == "VECTOR" and node.factor_mode != "UNIFORM"):
+        if first is None:
             raise NotMapped(f"the settings of node '{node.name}'")
         blend = node.blend_type if kind == "RGBA" else "MIX"
         result = node.clamp_result if kind == "RGBA" else False
-        return self._mixed(node, (0, first, first + 1), blend, node.clamp_factor, result, kind != "FLOAT")
+        factor = 1 if kind == "VECTOR" and node.factor_mode == "NON_UNIFORM" else 0
+        return self._mixed(node, (factor, first, first + 1), blend, node.clamp_factor, result, kind != "FLOAT")
 
     def _mixrgb(self, node, output):
         return self._mixed(node, (0, 1, 2), node.blend_type, True, node.use_clamp, True)
@@ -310,14 +313,16 @@ class Code:
     def _mixed(self, node, sockets, blend, clamp_factor, clamp_result, vector):
         if blend not in _BLENDS:
             raise NotMapped(f"the blending {blend} of node '{node.name}'")
-        factor = self.of(node.inputs[sockets[0]])[0]
+        by_component = sockets[0] == 1  # each component has a factor of its own
+        factor = self.of(node.inputs[sockets[0]], by_component)[0]
+        factors = [f"{factor}.{c}" if by_component else factor for c in "xyz"]
         if clamp_factor:
-            factor = self._new(f"clamp({factor}, 0.0f, 1.0f)", False)[0]
+            factors = [f"clamp({f}, 0.0f, 1.0f)" for f in factors]
         a, b = (self.of(node.inputs[i], vector)[0] for i in sockets[1:])
         law = _BLENDS[blend]
         if not vector:
-            return self._new(law.format(factor, a, b), False)
-        parts = [law.format(factor, f"{a}.{c}", f"{b}.{c}") for c in "xyz"]
+            return self._new(law.format(factors[0], a, b), False)
+        parts = [law.format(f, f"{a}.{c}", f"{b}.{c}") for f, c in zip(factors, "xyz")]
         if clamp_result:
             parts = [f"clamp({part}, 0.0f, 1.0f)" for part in parts]
         return self._new("{ %s }" % ", ".join(parts), True)

@@ -4,6 +4,7 @@
 
 #include <scrim/base/installed.h>
 #include <scrim/base/letter_case.h>
+#include <scrim/base/open_file.h>
 #include <scrim/base/system_error.h>
 #include <scrim/guard/field_transfer.h>
 #include <scrim/guard/load_protocol.h>
@@ -66,36 +67,6 @@ LoadLimits limitsFor(const Kind& kind, std::uint64_t bytes, const LoadOptions& o
     limits.patience = kind.patience + std::chrono::seconds(bytes / kSlowestBytesPerSecond);
     return limits;
 }
-
-/// A regular file that is open for reading, or the reason why it is not. Throws an Error of another kind than `input`
-/// where the file is not to blame.
-class OpenFile {
-  public:
-    // Without O_NONBLOCK, opening a FIFO would wait for a writer.
-    explicit OpenFile(const std::string& path)
-        : m_file(aboveStandardStreams(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))) {
-        const int error = errno;
-        if (const ErrorKind kind = kindOfSystemError(error, ErrorKind::input);
-            m_file.fd() < 0 && kind != ErrorKind::input)
-            throw Error(kind, fmt::format("{}: {}", path, systemErrorText(error)));
-        struct stat status {};
-        if (m_file.fd() < 0 || ::fstat(m_file.fd(), &status) != 0)
-            m_problem = errno == ENOENT ? "there is no such file" : std::strerror(errno);
-        else if (!S_ISREG(status.st_mode))
-            m_problem = "is not a file";
-        else
-            m_size = static_cast<std::uint64_t>(status.st_size);
-    }
-    int fd() const { return m_file.fd(); }
-    std::uint64_t size() const { return m_size; }
-    /// "": the file is open.
-    const std::string& problem() const { return m_problem; }
-
-  private:
-    Descriptor m_file;
-    std::uint64_t m_size = 0;
-    std::string m_problem;
-};
 
 /// The folder whose files a source may want all of: `path` itself, or that of a DICOM file, which is one slice of many.
 std::optional<std::string> folderFor(const std::string& path) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/image/light_profile.h>
 
-#include <scrim/base/descriptor.h>
 #include <scrim/base/error.h>
+#include <scrim/base/open_file.h>
 #include <scrim/base/system_error.h>
 
 #include <fmt/format.h>
@@ -17,8 +17,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 namespace scrim {
@@ -248,15 +246,11 @@ FilePhotometry readPhotometry(const std::string& path, int descriptor) {
     const auto refused = [&](const std::string& why) {
         return FilePhotometry{{}, {}, {}, fmt::format("{}: {}", path, why)};
     };
-    Descriptor own;
+    std::optional<OpenFile> own;
     if (descriptor < 0) {
-        // Without O_NONBLOCK, opening a FIFO would wait for a writer.
-        own = Descriptor(aboveStandardStreams(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)));
-        struct stat status {};
-        if (own.fd() < 0 || ::fstat(own.fd(), &status) != 0)
-            return refused(errno == ENOENT ? "there is no such file" : systemErrorText(errno));
-        if (!S_ISREG(status.st_mode)) return refused("is not a file");
-        descriptor = own.fd();
+        own.emplace(path);
+        if (!own->problem().empty()) return refused(own->problem());
+        descriptor = own->fd();
     }
     std::string text;
     std::array<char, 1 << 16> part;

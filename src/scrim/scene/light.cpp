@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/light.h>
 
-#include <scrim/geometry/bounds.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/image/light_profile.h>
 #include <scrim/solid/triangle_mesh.h>
@@ -34,19 +33,20 @@ double Spread::at(double cosine) const {
 double Light::Area::area() const {
     if (shape == AreaShape::rectangle) return width * height;
     if (shape == AreaShape::cylinder) return 2 * std::numbers::pi * radius * width;
-    if (shape == AreaShape::mesh) return surface ? MeshPlaces(*surface).area() : 0;
+    if (shape == AreaShape::mesh) return surfaceArea;
     return (shape == AreaShape::disk ? 1 : 4) * std::numbers::pi * radius * radius;
 }
 
 void shineFrom(Light& light, const TriangleMesh& mesh, const Mat4& wsFromMesh) {
     auto& area = std::get<Light::Area>(light.kind);
     auto surface = std::make_shared<TriangleMesh>(mesh);
-    Bounds ws;
-    for (Vec3& point : surface->points) ws.include(point = transformPoint(wsFromMesh, point));
+    area.wsSurface = {};
+    for (Vec3& point : surface->points) area.wsSurface.include(point = transformPoint(wsFromMesh, point));
     if (glm::determinant(wsFromMesh) < 0) turnOver(*surface);  // as a mirror does
     if (isInsideOut(*surface)) turnOver(*surface);
     area.surface = surface;
-    light.wsPosition = ws.center();
+    area.surfaceArea = MeshPlaces(*surface).area();
+    light.wsPosition = area.wsSurface.center();
     if (area.normalize && area.area() > 0) light.intensity /= area.area();
     area.normalize = false;
 }

@@ -2,6 +2,7 @@
 // Lights as a scene states them: in world space, with colours in the working space.
 #pragma once
 
+#include <scrim/geometry/bounds.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/image/texture.h>
 
@@ -100,6 +101,8 @@ struct Light {
         std::string mesh = {};         ///< mesh: the name of the scene's mesh that shines
         bool normalize = false;        ///< mesh: shineFrom divides the intensity by the area
         std::shared_ptr<const TriangleMesh> surface = {};  ///< mesh: in world space; null until shineFrom
+        double surfaceArea = 0;                            ///< mesh: that of `surface`
+        Bounds wsSurface = {};                             ///< mesh: those of `surface`
         /// Area of the emitting surface, world units squared: w h, pi r^2, 4 pi r^2, without the ends 2 pi r w, or the
         /// sum of the triangles'.
         double area() const;

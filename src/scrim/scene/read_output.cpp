@@ -58,6 +58,7 @@ template <typename Keys>
 void readFile(TomlTable& table, const Keys& k, const ReadContext& context, OutputFile& file) {
     if (const auto path = table.find(k.file)) {
         file.path = context.path(*path);
+        file.where = path->where();
         file.file = file.path.at(context.fileFrame());
     }
     if (const auto space = table.find(k.colorspace))

@@ -244,6 +244,7 @@ struct SceneHoldout {
 struct OutputFile {
     std::string file;        ///< the path at this frame; empty where the scene names none
     FramePath path;          ///< the path pattern, before the frame number is put in
+    std::string where;       ///< where the scene says `file`: "scene.toml:12:8"
     std::string colorspace;  ///< the colour config's own name of the space
     bool half = true;        ///< channels are 16-bit, else 32-bit
     std::string compression = "zip";

@@ -120,6 +120,10 @@ bool Solids::any(SolidRole role) const {
     return of(role).scene != nullptr;
 }
 
+bool Solids::anySendsBack() const {
+    return std::ranges::any_of(m_solids, [](const Solid& solid) { return solid.sendsBack(); });
+}
+
 const Bounds& Solids::wsBounds(SolidRole role) const {
     return of(role).wsBounds;
 }

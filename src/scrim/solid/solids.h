@@ -51,6 +51,7 @@ class Solids {
 
     const std::vector<Solid>& all() const { return m_solids; }
     bool any(SolidRole role) const;
+    bool anySendsBack() const;
     /// World-space box around all solids of that role; empty where there are none.
     const Bounds& wsBounds(SolidRole role) const;
 

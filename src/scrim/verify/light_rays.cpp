@@ -2,11 +2,13 @@
 #include <scrim/verify/light_rays.h>
 
 #include <scrim/solid/mesh_parts.h>
+#include <scrim/verify/running_sums.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -24,15 +26,6 @@ Vec3 inCone(const Vec3& axis, double depth, const Vec2& p) {
     const Mat3 frame = frameAround(axis);
     const double lower = p.x * depth, r = std::sqrt(std::max(0.0, lower * (2 - lower)));
     return (1 - lower) * axis + r * (std::cos(2 * kPi * p.y) * frame[0] + std::sin(2 * kPi * p.y) * frame[1]);
-}
-
-// The entry of the running sums at which the fraction `part` of the total is reached, and the position within that
-// entry in [0, 1).
-std::pair<std::size_t, double> find(const double* sums, std::size_t count, double part) {
-    const double wanted = part * sums[count - 1];
-    const auto i = std::min(std::size_t(std::upper_bound(sums, sums + count, wanted) - sums), count - 1);
-    const double before = i > 0 ? sums[i - 1] : 0, own = sums[i] - before;
-    return {i, own > 0 ? std::clamp((wanted - before) / own, 0.0, 1.0) : 0.5};
 }
 
 // A rectangle as seen from the origin: C. Urena, M. Fajardo, A. King, "An Area-Preserving Parametrization for Spherical
@@ -70,7 +63,7 @@ struct SphericalRectangle {
 LightRays::LightRays(const Light& light) : m_light(light), m_frame(lightFrame(light)) {
     if (light.area() && light.area()->surface) {
         constexpr double kTriangles = 500;
-        m_mesh = cutTriangles(*light.area()->surface, light.area()->area() / kTriangles);
+        m_mesh = ShiningMesh(cutTriangles(*light.area()->surface, light.area()->area() / kTriangles));
     }
     if (!light.dome() || !light.slide) return;
     const Texture::Level& level = light.slide->image->levels().front();
@@ -170,33 +163,26 @@ LightRay LightRays::fromSphere(const Vec3& ws, const Vec2& square) const {
     return {direction, along - half, m_light.intensity * (2 * kPi * depth)};
 }
 
-// Chooses a triangle in proportion to the light that its middle sends to `ws`, and a place on it.
-LightRay LightRays::fromMesh(const Vec3& ws, const Vec2& square) const {
-    std::vector<double> sums;
-    double sum = 0;
-    for (std::size_t t = 0; t < m_mesh.triangles.size(); ++t) {
-        const Vec3 way = ws - m_mesh.middle(t);
-        const double r2 = std::max(glm::dot(way, way), 1e-300);
-        sums.push_back(sum += std::max(glm::dot(m_mesh.cross(t), way), 0.0) / (r2 * std::sqrt(r2)));
-    }
-    if (!(sum > 0)) return {};
-    const auto [t, rest] = find(sums.data(), sums.size(), square.x);
-    const double chance = (sums[t] - (t > 0 ? sums[t - 1] : 0)) / sum;
-    const Vec3 to = m_mesh.place(t, {rest, square.y}) - ws;
+// Chooses a triangle by the light that its middle sends to `ws`, and a place on it.
+LightRay LightRays::fromMesh(const ShiningMesh::Seen& seen, const Vec3& ws, const Vec2& square) const {
+    const auto chosen = m_mesh.choose(seen, ws, square.x);
+    if (!chosen) return {};
+    const TriangleMesh& mesh = m_mesh.mesh();
+    const Vec3 to = mesh.place(chosen->triangle, {chosen->rest, square.y}) - ws;
     const double distance = glm::length(to);
-    if (!(distance > 0) || !(chance > 0)) return {};
-    const double facing = 0.5 * std::max(-glm::dot(m_mesh.cross(t), to), 0.0) / distance;
+    if (!(distance > 0)) return {};
+    const double facing = 0.5 * std::max(-glm::dot(mesh.cross(chosen->triangle), to), 0.0) / distance;
     constexpr double kBefore = 1 - 1e-4;  // so that the triangle is not in the way of its own light
-    return {to / distance, kBefore * distance, m_light.intensity * (facing / (chance * distance * distance))};
+    return {to / distance, kBefore * distance, m_light.intensity * (facing / (chosen->chance * distance * distance))};
 }
 
 // Chooses a pixel in proportion to its light, and a place within it.
 LightRay LightRays::fromPicture(const Vec2& square) const {
     const Texture::Level& level = m_light.slide->image->levels().front();
     if (!(m_rows.back() > 0)) return {};
-    const auto [row, down] = find(m_rows.data(), m_rows.size(), square.x);
-    const double* pixels = m_pixels.data() + row * std::size_t(level.width);
-    const auto [column, across] = find(pixels, std::size_t(level.width), square.y);
+    const auto [row, down] = findInSums(m_rows, square.x);
+    const auto width = static_cast<std::size_t>(level.width);
+    const auto [column, across] = findInSums(std::span(m_pixels).subspan(row * width, width), square.y);
     const double top = std::cos(kPi * double(row) / level.height),
                  bottom = std::cos(kPi * double(row + 1) / level.height);
     const double v = std::acos(std::clamp(top + down * (bottom - top), -1.0, 1.0)) / kPi;
@@ -215,12 +201,24 @@ LightRay LightRays::ray(const Vec3& ws, const Vec2& square) const {
     }
     if (const Light::Area* area = m_light.area()) {
         if (area->shape == AreaShape::rectangle) return fromRectangle(ws, square);
-        if (area->shape == AreaShape::mesh) return fromMesh(ws, square);
+        if (area->shape == AreaShape::mesh) return fromMesh(m_mesh.seenFrom(ws), ws, square);
         if (area->shape == AreaShape::cylinder) return fromCylinder(ws, square);
         return area->shape == AreaShape::disk ? fromDisk(ws, square) : fromSphere(ws, square);
     }
     const double half = std::sin(glm::radians(0.25 * std::get<Light::Distant>(m_light.kind).angle));
     return {inCone(-m_light.wsDirection, 2 * half * half, square), kInfinity, m_light.intensity};
+}
+
+std::vector<LightRay> LightRays::rays(const Vec3& ws, std::span<const Vec2> squares) const {
+    const bool mesh = m_light.area() && m_light.area()->shape == AreaShape::mesh;
+    const ShiningMesh::Seen seen = mesh ? m_mesh.seenFrom(ws) : ShiningMesh::Seen{};
+    std::vector<LightRay> all;
+    all.reserve(squares.size());
+    for (const Vec2& square : squares) {
+        all.push_back(mesh ? fromMesh(seen, ws, square) : ray(ws, square));
+        if (all.back().weight == Rgb(0)) all.pop_back();
+    }
+    return all;
 }
 
 std::vector<LightSent> lightsSent(const std::vector<Light>& lights) {

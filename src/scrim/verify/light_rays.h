@@ -6,9 +6,10 @@
 
 #include <scrim/scene/light.h>
 #include <scrim/scene/light_at.h>
-#include <scrim/solid/triangle_mesh.h>
+#include <scrim/verify/shining_mesh.h>
 
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -29,19 +30,21 @@ class LightRays {
     /// The ray for a point of the unit square [0, 1) x [0, 1). The mean of its weight over the square is the integral
     /// of radiance over the solid angle that the light fills at `ws`.
     LightRay ray(const Vec3& ws, const Vec2& square) const;
+    /// Those of several points of the square, which takes less time than one by one. Rays without light are left out.
+    std::vector<LightRay> rays(const Vec3& ws, std::span<const Vec2> squares) const;
 
   private:
     LightRay fromRectangle(const Vec3& ws, const Vec2& square) const;
     LightRay fromDisk(const Vec3& ws, const Vec2& square) const;
     LightRay fromCylinder(const Vec3& ws, const Vec2& square) const;
     LightRay fromSphere(const Vec3& ws, const Vec2& square) const;
-    LightRay fromMesh(const Vec3& ws, const Vec2& square) const;
+    LightRay fromMesh(const ShiningMesh::Seen& seen, const Vec3& ws, const Vec2& square) const;
     LightRay fromPicture(const Vec2& square) const;
     Rgb pictureAt(double u, double v) const;
 
     const Light& m_light;
     Mat3 m_frame;
-    TriangleMesh m_mesh;  // of a mesh that shines: small triangles
+    ShiningMesh m_mesh;  // small triangles
     // For a dome's picture: running sums of light over rows, and over the pixels of each row.
     std::vector<double> m_rows, m_pixels;
 };

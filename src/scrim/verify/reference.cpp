@@ -138,13 +138,10 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
 std::vector<LightRay> Reference::raysTo(std::size_t index, const Vec3& ws) const {
     const int n = m_options.lightRays;
     const Vec2 offset = lotOf(ws, index);
-    std::vector<LightRay> rays;
-    for (int i = 0; i < n * n; ++i) {
-        const Vec2 place = glm::fract(offset + double(i) * Vec2(0.7548776662466927, 0.5698402909980532));
-        rays.push_back(std::get<LightRays>(m_lights[index]).ray(ws, place));
-        if (rays.back().weight == Rgb(0)) rays.pop_back();
-    }
-    return rays;
+    std::vector<Vec2> places;
+    for (int i = 0; i < n * n; ++i)
+        places.push_back(glm::fract(offset + double(i) * Vec2(0.7548776662466927, 0.5698402909980532)));
+    return std::get<LightRays>(m_lights[index]).rays(ws, places);
 }
 
 Rgb Reference::depthTowards(std::size_t index, const Vec3& ws, const LightRay& ray) const {

@@ -170,6 +170,7 @@ double ScatterPilot::ofDirections(std::size_t i) const {
 }
 
 std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
+    if (given.dials.scatterCell && given.dials.scatterDirections) return std::nullopt;
     if (std::none_of(given.volumes.begin(), given.volumes.end(), scattersFully)) return std::nullopt;
     ScatterPilot pilot;
     for (const ViewVolume& volume : given.volumes) {

@@ -31,7 +31,7 @@ struct ScatterPilot {
     double ofDirections(std::size_t i) const;
 };
 
-/// No value: no volume scatters light more than once.
+/// No value: no volume scatters light more than once, or the scene states both dials.
 std::optional<ScatterPilot> scatterPilot(const ViewScene& scene);
 
 struct ScatterChoice {

@@ -25,14 +25,6 @@ std::pair<std::size_t, std::size_t> placeAmongEqual(const std::vector<GridOffer>
     return {before, all};
 }
 
-std::string listOf(const std::vector<GridOffer>& offers) {
-    std::string list;
-    for (std::size_t i = 0; i < offers.size(); ++i)
-        list += fmt::format("{}'{}' ({})", i == 0 ? "" : ", ", shortened(callName(offers, i), kNameLimit),
-                            shortened(offers[i].valueType(), kNameLimit));
-    return list;
-}
-
 /// Splits "name[i]" into name and i; returns false for text of another form.
 bool splitIndex(const std::string& text, std::string& name, std::size_t& index) {
     const std::size_t open = text.rfind('[');
@@ -142,7 +134,7 @@ std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& r
     if (!colour && request.grid.empty())
         return offers.empty() ? "holds no grids" : "holds no float, half or double grid, only " + listOf(offers);
     const auto found = named(offers, request.grid, anyGrid);
-    if (!found) return fmt::format("no grid '{}'; it holds {}", name, offers.empty() ? "none" : listOf(offers));
+    if (!found) return fmt::format("no grid '{}'; it holds {}", name, listOf(offers));
     const std::string held = shortened(offers[*found].valueType(), kNameLimit);
     if (colour && request.part != GridPart::whole)
         return fmt::format(
@@ -158,6 +150,14 @@ std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& r
     return fmt::format(
         "grid '{}' holds {} values, where a float, half or double grid is expected; of those there is {}", name, held,
         choices(scalarNames(offers)));
+}
+
+std::string listOf(const std::vector<GridOffer>& offers) {
+    std::string list;
+    for (std::size_t i = 0; i < offers.size(); ++i)
+        list += fmt::format("{}'{}' ({})", i == 0 ? "" : ", ", shortened(callName(offers, i), kNameLimit),
+                            shortened(offers[i].valueType(), kNameLimit));
+    return offers.empty() ? "none" : list;
 }
 
 std::vector<std::string> scalarNames(const std::vector<GridOffer>& offers) {

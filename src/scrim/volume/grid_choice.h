@@ -51,6 +51,9 @@ std::string callName(const std::vector<GridOffer>& offers, std::size_t i);
 /// Why `chooseGrid` finds nothing: which grids there are and what was expected.
 std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& request);
 
+/// "'density' (float), 'v' (vec3s)", or "none".
+std::string listOf(const std::vector<GridOffer>& offers);
+
 /// The names by which requests find the scalar grids: "density", or "density[0]", "density[1]" where a name is not
 /// unique, or "[0]" for a grid without a name.
 std::vector<std::string> scalarNames(const std::vector<GridOffer>& offers);

@@ -18,6 +18,7 @@
 #include <streambuf>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <openvdb/io/Stream.h>
 
 namespace scrim {
@@ -34,6 +35,9 @@ struct ParsedVdb : VdbFile::Content {
     openvdb::GridPtrVec grids;      ///< one for each of `offers`; null where it was not read
     /// One for each of `offers`, why it was not read; or empty if there were no problems.
     std::vector<std::string> problems;
+    /// Where grids are put together: the names of all that there may be, and "; a.vdb holds 'smoke' (float)".
+    std::vector<std::string> combined;
+    std::string sources;
 
     VdbFileInfo info() const override;
     std::vector<std::string> usableGrids() const override;
@@ -222,8 +226,10 @@ std::unique_ptr<ParsedVdb> readCombined(const VdbFiles& files, const std::vector
         parsed.push_back(read(*files[f], &none, names));
         content->path += (f == 0 ? "" : ", ") + path;
         content->bytes += files[f]->size();
+        content->sources += fmt::format("; {} holds {}", shortened(path), listOf(parsed[f]->offers));
         if (f == 0 || parsed[f]->layout.isNewer) content->layout = parsed[f]->layout;
     }
+    for (const CombinedGrid& grid : edit.grids) content->combined.push_back(grid.name);
     content->layout.grids.clear();
     for (const CombinedGrid* const grid : grids) {
         std::vector<openvdb::GridBase::Ptr> parts;
@@ -306,6 +312,9 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
     const auto refuse = [&](const std::string& reason) {
         throw GridError(shortened(path + ": " + reason, kMessageLimit), request);
     };
+    if (!choice && !combined.empty() && !request.grid.empty() && !chooseNamed(offers, request.grid))
+        refuse(fmt::format("no grid '{}' among those of 'grids': '{}'{}", shortened(request.grid, 80),
+                           fmt::join(combined, "', '"), sources));
     if (!choice) refuse(whyNoGrid(offers, request));
     const openvdb::GridBase::Ptr& grid = grids[choice->grid];
     if (!grid) refuse(fmt::format("grid '{}' was not requested when the file was opened", shortened(request.grid, 80)));

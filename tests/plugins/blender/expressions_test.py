@@ -118,13 +118,14 @@ def test_ramps_of_colours():
         results([ramp("B_SPLINE", points)])
 
 
-def mix(blend, data_type="RGBA", clamp_result=False):
+def mix(blend, data_type="RGBA", clamp_result=False, clamp_factor=True, factor_mode="UNIFORM", grid="d"):
     names = ["Factor", "F3", "A1", "B1", "A3", "B3", "A", "B"]
-    values = {"data_type": data_type, "blend_type": blend, "clamp_factor": True, "clamp_result": clamp_result,
-              "factor_mode": "UNIFORM"}  # fmt: skip
+    values = {"data_type": data_type, "blend_type": blend, "clamp_factor": clamp_factor, "clamp_result": clamp_result,
+              "factor_mode": factor_mode}  # fmt: skip
     sockets = dict.fromkeys(names, 0.0)
-    sockets.update(A=(0.2, 0.4, 0.8, 1), B=(0.5, 0.1, 0.9, 1), A1=2.0, B1=6.0, A3=(1, 2, 3), B3=(3, 2, 1))
-    return fed(node("ShaderNodeMix", blend, values=values, **sockets), Factor=attribute("d"))
+    sockets.update(A=(0.2, 0.4, 0.8, 1), B=(0.5, 0.1, 0.9, 1), A1=2.0, B1=6.0, A3=(1, 2, 3), B3=(3, 2, 2))
+    sockets.update(F3=(0.5, -1.0, 2.0))
+    return fed(node("ShaderNodeMix", blend, outputs=("Result",), values=values, **sockets), Factor=attribute(grid))
 
 
 def test_mixing():
@@ -143,10 +144,24 @@ def test_mixing():
         expected = [law(x, y) for x, y in zip(a, b)]
         assert results(parts(mix(blend))) == pytest.approx(expected, rel=1e-5), blend
     assert results([mix("MIX", "FLOAT")]) == pytest.approx([2 + 4 * f], rel=1e-5)
-    assert results(parts(mix("MIX", "VECTOR"))) == pytest.approx([1.6, 2, 2.4], rel=1e-5)
+    assert results([mix("MIX")]) == pytest.approx([0.2126 * 0.29 + 0.7152 * 0.31 + 0.0722 * 0.83], rel=1e-5)
     assert max(results(parts(mix("ADD", clamp_result=True)))) == 1
     with pytest.raises(NotMapped, match="the blending OVERLAY of node 'OVERLAY'"):
         results([mix("OVERLAY")])
+
+
+def test_mixing_of_vectors():
+    assert results(parts(mix("MIX", "VECTOR"))) == pytest.approx([1.6, 2, 2.7], rel=1e-5)
+    # A vector becomes a number by its mean, and not by its brightness as a colour does.
+    assert results([mix("MIX", "VECTOR")]) == pytest.approx([2.1], rel=1e-5)
+    assert results(parts(mix("MIX", "VECTOR", grid="e"))) == pytest.approx([3, 2, 2])
+    assert results(parts(mix("MIX", "VECTOR", clamp_factor=False, grid="e"))) == pytest.approx([6, 2, 0.5], rel=1e-5)
+    each = mix("MIX", "VECTOR", factor_mode="NON_UNIFORM")
+    assert results(parts(each)) == pytest.approx([2, 2, 2])
+    each = mix("MIX", "VECTOR", clamp_factor=False, factor_mode="NON_UNIFORM")
+    assert results(parts(each)) == pytest.approx([2, 2, 1])
+    with pytest.raises(NotMapped, match="the settings of node 'MIX'"):
+        results([mix("MIX", "ROTATION")])
 
 
 def vectors(operation, **sockets):

@@ -81,6 +81,13 @@ TEST_F(Grids, EveryMistakeHasAPlaceInTheScene) {
     scene("grids = { density = 'smoke.vdb', temperature = 'smoke.vdb:heat' }");
     expectFailure({"render", "scene.toml", "-o", "out.exr"}, 3,
                   "scene.toml:7:48: smoke.vdb: no grid 'heat'; it holds 'density' (float)");
+    // The file has that grid, and the scene gives it another name.
+    scene("grids = { density = 'smoke.vdb', other = 'whole.vdb:temperature' }");
+    EXPECT_NE(run({"render", "scene.toml", "-o", "out.exr"})
+                  .err.find("smoke.vdb, whole.vdb: no grid 'temperature' among those of 'grids': 'density', 'other'; "
+                            "smoke.vdb holds 'density' (float); whole.vdb holds 'density' (float), 'temperature' "
+                            "(float)"),
+              std::string::npos);
     write("broken.vdb", "this is no volume");
     scene("grids = { density = 'smoke.vdb', temperature = 'broken.vdb' }");
     const ProgramResult broken = run({"render", "scene.toml", "-o", "out.exr"});

@@ -240,9 +240,15 @@ TEST_F(Outputs, HoldTheLayersThatTheyAreAskedFor) {
     // Half floats.
     for (std::size_t i = 0; i < all.at("R").size(); ++i)
         ASSERT_NEAR(all.at("direct.R")[i] + all.at("indirect.R")[i], all.at("R")[i], 2e-3 * all.at("R")[i] + 1e-6) << i;
-    expectFailure(
-        {"render", "apart.toml", "-o", "b.exr"}, kUsage,
-        "'b.exr' would be written twice, for the picture of apart.toml and for a file of layers of apart.toml");
+    expectFailure({"render", "apart.toml", "-o", "b.exr"}, kUsage,
+                  "'b.exr' would be written twice, for the picture of apart.toml and for the file of layers at "
+                  "apart.toml:21:8");
+    write("twice.toml", kCamera + kVolume + kLight +
+                            "[[output]]\nfile = \"a.exr\"\n[[output]]\nfile = \"b.exr\"\nlayers = [\"depth\"]\n"
+                            "[[output]]\nfile = \"b.exr\"\nlayers = [\"direct\"]\n");
+    expectFailure({"render", "twice.toml"}, kUsage,
+                  "'b.exr' would be written twice, for the file of layers at twice.toml:15:8 and for the file of "
+                  "layers at twice.toml:18:8");
 }
 
 class SkipExisting : public ProgramTest {

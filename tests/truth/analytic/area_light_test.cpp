@@ -177,6 +177,37 @@ TEST(ExtendedLights, OnCellsConvergeToBruteForceAsTheCellsGetSmaller) {
     }
 }
 
+// A closed mesh on cells: as above. A ball of 32 rings has 0.995 of the sphere's cross section, so that its picture is
+// that of the sphere, to half a hundredth beside what cells of half a voxel leave in either, a hundredth (measured:
+// 3.1 and 1.1 % beside brute force, 0.4 % beside the sphere).
+TEST(ExtendedLights, OfAMeshOnCellsConvergeToBruteForceAndToItsSphere) {
+    Light mesh = shining(*ballMesh({16, -9, 12}, 6, 32));
+    mesh.intensity = Rgb(5);
+    ViewScene scene = smoke(mesh);
+    scene.lights[0].samples = 256;
+    scene.lights[0].shadow = ShadowMethod::cells;
+    double errors[2];
+    for (const int halves : {0, 1}) {
+        scene.dials.lightCell = halves == 0 ? 2 : 0.5;
+        ASSERT_TRUE(makePlan(scene, 1).cellLights.has(0));
+        errors[halves] = errorOf(scene, 25);
+    }
+    EXPECT_LE(errors[1], std::max(errors[0] / 2, 0.02));
+    EXPECT_LT(errors[1], std::min(errors[0], 0.03)) << errors[0];
+    testing::Test::RecordProperty("errors", fmt::format("{} {}", errors[0], errors[1]));
+
+    const Image ofMesh = renderScene(scene).image;
+    scene.lights[0] = surface({AreaShape::sphere, 0, 0, 6}, {16, -9, 12}, 5);
+    const Image ofSphere = renderScene(scene).image;
+    double squares = 0, all = 0;
+    for (std::size_t i = 0; i < ofMesh.rgba.size(); i += 4) {
+        squares += std::pow(double(ofMesh.rgba[i]) - double(ofSphere.rgba[i]), 2);
+        all += std::pow(double(ofSphere.rgba[i]), 2);
+    }
+    EXPECT_LT(std::sqrt(squares / all), 0.005 + 0.01);
+    testing::Test::RecordProperty("besideSphere", fmt::format("{}", std::sqrt(squares / all)));
+}
+
 // The truth sees no sub-lights: one of them is not the light, by more than the preset "standard" promises.
 TEST(ExtendedLights, OfOneSubLightAreFoundOut) {
     for (const Lit& lit : lights()) EXPECT_GT(errorWith(lit.light, 1, 30), 0.015) << lit.name;

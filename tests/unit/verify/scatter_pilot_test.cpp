@@ -70,13 +70,28 @@ TEST(ScatterChoice, TakesMoreDirectionsWhereWallsSendLightBack) {
 TEST(ScatterChoice, KeepsWhatTheSceneStates) {
     ViewScene scene = smoke(0.4, 0.9);
     scene.dials.scatterCell = 3.5;
+    const PromisedDials cells = promisedDials(scene, "high");
+    ASSERT_TRUE(cells.scattering);
+    EXPECT_EQ(*cells.dials.scatterCell, 3.5);
+    EXPECT_EQ(*cells.dials.scatterDirections, 256);
+    EXPECT_EQ(cells.scattering->promised, promisedScatteringError("high"));
+    scene.dials.scatterCell.reset();
     scene.dials.scatterDirections = 64;
+    const PromisedDials directions = promisedDials(scene, "high");
+    ASSERT_TRUE(directions.scattering);
+    EXPECT_EQ(*directions.dials.scatterDirections, 64);
+    EXPECT_GT(directions.scattering->choice.expected, directions.scattering->promised);
+}
+
+TEST(ScatterChoice, NeedsNoPilotWhereTheSceneStatesAll) {
+    ViewScene scene = smoke(0.4, 0.9);
+    scene.dials.scatterCell = 3.5;
+    scene.dials.scatterDirections = 64;
+    EXPECT_FALSE(scatterPilot(scene));
     const PromisedDials promised = promisedDials(scene, "high");
-    ASSERT_TRUE(promised.scattering);
+    EXPECT_FALSE(promised.scattering);
     EXPECT_EQ(*promised.dials.scatterCell, 3.5);
     EXPECT_EQ(*promised.dials.scatterDirections, 64);
-    EXPECT_GT(promised.scattering->choice.expected, promised.scattering->promised);
-    EXPECT_EQ(promised.scattering->promised, promisedScatteringError("high"));
 }
 
 }  // namespace

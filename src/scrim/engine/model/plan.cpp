@@ -96,18 +96,23 @@ ExtinctionChannels extinctionChannels(const ViewScene& scene) {
     constexpr std::size_t kColours = 3;
     const bool perTint = tints.size() <= kColours;
     if (!perTint) tints = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    if (tints.size() * shadows.size() > std::size_t(ExtinctionChannels::kMost))
-        throw Error(ErrorKind::usage, fmt::format("the volumes have {} tints of extinction and cast shadows in {} sets "
-                                                  "of lights; expected a product of at most {}",
-                                                  tints.size(), shadows.size(), ExtinctionChannels::kMost));
     ExtinctionChannels channels;
     channels.tints.clear();
     channels.shadows.clear();
     for (const std::vector<bool>& lights : shadows)
         for (const Rgb& tint : tints) {
+            const bool occurs = std::ranges::any_of(scene.volumes, [&](const ViewVolume& volume) {
+                return volume.shadows == lights && (!perTint || tintOf(volume) == tint);
+            });
+            if (!occurs) continue;
             channels.tints.push_back(tint);
             channels.shadows.push_back(lights);
         }
+    if (channels.count() > ExtinctionChannels::kMost)
+        throw Error(ErrorKind::usage,
+                    fmt::format("the volumes have {} tints of extinction and cast shadows in {} sets "
+                                "of lights, which takes {} channels; expected at most {}",
+                                tints.size(), shadows.size(), channels.count(), ExtinctionChannels::kMost));
     channels.coloured = channels.count() > 1 || tints.front() != Rgb(1) || !shadows.front().empty();
     for (const ViewVolume& volume : scene.volumes) {
         const Rgb tint = tintOf(volume);

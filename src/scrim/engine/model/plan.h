@@ -78,7 +78,8 @@ std::size_t layerCount(const ViewScene& scene);
 /// Extinction in colour c is the sum over extinction channels of (channel's value) * tints[channel][c]. A scene without
 /// colours has one white channel. With up to three tints there is a channel for each tint, with more there are the
 /// channels red, green and blue. Thus sheets and shadow buffers are scalar whatever the colours are. Volumes that cast
-/// shadows in different lights have channels of their own, of which a light passes through some.
+/// shadows in different lights have channels of their own, of which a light passes through some. A pair of a tint and a
+/// set of lights that no volume has gets no channel.
 struct ExtinctionChannels {
     static constexpr int kMost = 9;
     bool coloured = false;  ///< true wherever there is more than one channel

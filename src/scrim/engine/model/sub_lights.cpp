@@ -193,8 +193,8 @@ void addMesh(const Light& whole, int count, const ViewScene& scene, std::vector<
 
 // True if a mesh lies among the volumes, where each place is lit by a few of its triangles alone.
 bool isWithin(const Light& light, const Bounds& ws) {
-    const auto& mesh = light.area()->surface;
-    return mesh && std::ranges::all_of(mesh->points, [&](const Vec3& point) { return ws.contains(point); });
+    const Bounds& mesh = light.area()->wsSurface;
+    return !mesh.empty() && ws.contains(mesh.lower) && ws.contains(mesh.upper);
 }
 
 void addSky(const Light& whole, int count, std::vector<Light>& out) {

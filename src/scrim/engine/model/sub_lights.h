@@ -2,8 +2,10 @@
 // Represents an extended light by a sum of lights that the engine can handle: points of a surface, directions of the
 // sun's disk or of the sky. All later stages see only these sub-lights; their light belongs to their owner.
 //
-// A sum of N sub-lights converges to the true light, which a blurred single shadow buffer does not. Their pattern is
-// fixed to the light, so that it is the same in all frames.
+// A sum of N sub-lights converges to the true light, which a blurred single shadow buffer does not. As long as N stays
+// the same, their pattern is fixed to the light and is the same in all frames. There are two exceptions, which depend
+// on the bounds of the volumes, too. Parts of a mesh are left out where no volume is in front of them, and shine as
+// brightly as the whole mesh does at the volumes. A sphere is points where it is far from the volumes, else elements.
 #pragma once
 
 #include <scrim/scene/view_scene.h>

@@ -59,7 +59,7 @@ std::string nameIf(bool has, const std::string& name) {
     return has ? quoted(name) : std::string();
 }
 
-// Finds the lights of the plan, or the volumes, for which say() returns a text.
+// Finds the lights of the plan that are not culled, or the volumes, for which say() returns a text.
 template <class Say>
 Finder lightsThat(const ViewScene& scene, const Plan& plan, const std::string& key, const Say& say) {
     Finder found(scene);
@@ -93,8 +93,9 @@ Effect shadows(const ViewScene& scene, const Plan& plan) {
 }
 
 Effect slides(const ViewScene& scene, const Plan& plan) {
+    const bool any = std::ranges::any_of(scene.lights, [](const Light& light) { return bool(light.slide); });
     return lightsThat(scene, plan, ".slide", [](const Light& l) { return nameIf(bool(l.slide), l.name); })
-        .effect("slides", "of ", "no light has a slide");
+        .effect("slides", "of ", any ? "every light with a slide is culled" : "no light has a slide");
 }
 
 // The effect of solids with a role.
@@ -136,10 +137,9 @@ std::string sunsText(const SkyParts& parts) {
 }
 
 Effect extendedLights(const ViewScene& scene, const Plan& plan) {
-    Finder found(scene);
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-        const Light& light = scene.lights[i];
-        if (!light.extended() || (i < plan.culledLights.size() && !plan.culledLights[i].empty())) continue;
+    const auto say = [&](const Light& light) {
+        if (!light.extended()) return std::string();
+        const auto i = static_cast<std::size_t>(&light - scene.lights.data());
         const bool cells = plan.cellLights.has(i);
         const int count = cells ? pointsOnCells(scene, light) : plan.subLights.countOf(static_cast<int>(i));
         const std::string what = fmt::format("{} ({}): {}", quoted(light.name), extent(light), count);
@@ -147,9 +147,11 @@ Effect extendedLights(const ViewScene& scene, const Plan& plan) {
                                  : fmt::format("{} sub-light{}", what, count == 1 ? "" : "s");
         if (light.dome() && light.slide && light.slide->parts && !light.slide->parts->suns.empty())
             text += sunsText(*light.slide->parts);
-        found.add(text, "light." + light.name);
-    }
-    Effect effect = found.effect("extended lights", "", "every light shines from one point or direction");
+        return text;
+    };
+    const bool any = std::ranges::any_of(scene.lights, &Light::extended);
+    const char* none = any ? "every extended light is culled" : "every light shines from one point or direction";
+    Effect effect = lightsThat(scene, plan, "", say).effect("extended lights", "", none);
     if (effect.on && !plan.cellLights.unfit.empty())
         effect.reason += fmt::format("; shadow buffers for each, since {}", plan.cellLights.unfit);
     return effect;
@@ -380,11 +382,9 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
                              fmt::format("{0} x {0} rays a pixel", dials.antialias)));
     effects.push_back(ofDial(scene, "level of detail", "render.lod", dials.lod > 0,
                              dials.lod > 0 ? fmt::format("voxels may shrink to {} pixels", dials.lod) : "lod is 0"));
-    effects.push_back({"wide eye",
-                       plan.eyeParts.size() > 1,
-                       plan.eyeParts.size() > 1 ? fmt::format("its rays are swept in {} parts", plan.eyeParts.size())
-                                                : "one sweep holds all of its rays",
-                       {}});
+    const std::string inParts = fmt::format("its rays are swept in {} parts", plan.eyeParts.size());
+    const bool wide = plan.eyeParts.size() > 1;
+    effects.push_back({"wide eye", wide, wide ? inParts : "one sweep holds all of its rays", {}});
     effects.push_back(ofDial(scene, "per-view splatting", "render.splat", plan.perView,
                              plan.perView ? "the scene sets it: a splat for the eye and one for every shadow"
                                           : "all views share one splat"));

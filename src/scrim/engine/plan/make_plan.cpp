@@ -269,15 +269,22 @@ std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& pl
                         across, scene.lights.size(), scene.lights.size() == 1 ? "" : "s")};
 }
 
+// Why a light that is not black itself has no sub-light but a black one.
+const char* whyDark(const Light& light) {
+    if (light.slide) return "its picture is black";
+    return light.area() && light.area()->area() > 0 ? "it faces away from every volume" : "its surface has no area";
+}
+
 // For each light of the scene the reason why it is culled: that of its first sub-light, if all of them are culled.
 std::vector<std::string> reasonsByOwner(const SubLights& lights, const std::vector<std::string>& reasons,
-                                        std::size_t count) {
+                                        const std::vector<Light>& owners) {
     if (lights.owners.empty()) return reasons;
-    std::vector<std::string> byOwner(count);
-    std::vector<bool> seen(count, false);
+    std::vector<std::string> byOwner(owners.size());
+    std::vector<bool> seen(owners.size(), false);
     for (std::size_t i = 0; i < reasons.size(); ++i) {
         const auto owner = std::size_t(lights.owners[i]);
-        if (!seen[owner] || reasons[i].empty()) byOwner[owner] = reasons[i];
+        const bool dark = lights.lights[i].intensity == Rgb(0) && owners[owner].intensity != Rgb(0);
+        if (!seen[owner] || reasons[i].empty()) byOwner[owner] = dark ? whyDark(owners[owner]) : reasons[i];
         seen[owner] = true;
     }
     return byOwner;
@@ -330,7 +337,7 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     ViewScene plain;
     const ViewScene& scene = withSubLights(given, plan.subLights, plain);
     const std::vector<std::string> culled = culledLights(scene);
-    plan.culledLights = reasonsByOwner(plan.subLights, culled, given.lights.size());
+    plan.culledLights = reasonsByOwner(plan.subLights, culled, given.lights);
     nameLightsOnCells(given, plan.cellLights, plan.culledLights);
 
     for (EyePart& part : eyeParts(scene, corners)) {

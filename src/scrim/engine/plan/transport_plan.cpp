@@ -304,7 +304,7 @@ TransportPlan planTransport(const ViewScene& scene) {
 }
 
 bool wallsSendBack(const ViewScene& scene) {
-    return solidsBlock(scene) && std::ranges::any_of(scene.solids->all(), [](const Solid& s) { return s.sendsBack(); });
+    return scene.solids && scene.solids->anySendsBack();
 }
 
 }  // namespace scrim

@@ -241,7 +241,7 @@ void CellGrid::findSides() {
     m_albedos.clear();
     m_firsts.clear();
     m_sideAt.clear();
-    if (std::ranges::none_of(m_solids->all(), [](const Solid& s) { return s.sendsBack(); })) return;
+    if (!m_solids->anySendsBack()) return;
     m_sideAt.assign(m_open.size() / (3 * kPaddedCells) * 6 * kBlockCells, -1);
     std::vector<std::vector<FoundSide>> found(m_places.size());
     parallelFor(m_places.size(), [&](std::size_t b) {

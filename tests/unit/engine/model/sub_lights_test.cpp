@@ -2,8 +2,10 @@
 // Sub-lights are the light that they stand for: its energy, its place, and, as their number grows, what it sends to any
 // point. Closed forms of solid angles are the truth.
 #include "support/fields.h"
+#include "support/meshes.h"
 #include "support/slides.h"
 
+#include <scrim/engine/plan/effects.h>
 #include <scrim/engine/model/picture_cells.h>
 #include <scrim/engine/plan/make_plan.h>
 #include <scrim/engine/model/sub_lights.h>
@@ -321,11 +323,40 @@ TEST(SubLights, OfABlackPictureAreOneThatIsCulled) {
             if (!alone) scene.lights.push_back(distantLight({0, 0, -1}));
             const Plan plan = makePlan(scene, 1);
             ASSERT_EQ(plan.culledLights.size(), scene.lights.size());
-            EXPECT_EQ(plan.culledLights[0], "it is black");
+            EXPECT_EQ(plan.culledLights[0], "its picture is black");
             const Frame frame = render(scene, plan);
             EXPECT_EQ(frame.image.rgba[frame.image.indexOf(4, 4)] > 0, !alone);
             EXPECT_GT(frame.image.rgba[frame.image.indexOf(4, 4) + 3], 0);
         }
+}
+
+// A mesh that shines to one side, behind which are the volumes, and one without an area. Neither is black.
+TEST(SubLights, OfAMeshThatFacesAwayAreOneThatIsCulled) {
+    ViewScene scene = orthographicScene(boxField({-2, -2, -2}, {2, 2, 2}), Medium(), 8, 8);
+    const auto shining = [](const TriangleMesh& mesh) {
+        Light light;
+        light.name = "panel";
+        light.kind = Light::Area{AreaShape::mesh};
+        shineFrom(light, mesh, Mat4(1));
+        return light;
+    };
+    TriangleMesh line;
+    line.points = {{9, 0, 0}, {9, 1, 0}, {9, 2, 0}};
+    line.triangles = {{0, 1, 2}};
+    const std::pair<Light, std::string> cases[] = {
+        {shining(*squareMesh({9, 0, 0}, {1, 0, 0}, 1)), "it faces away from every volume"},
+        {shining(*squareMesh({9, 0, 0}, {-1, 0, 0}, 1)), ""},
+        {shining(line), "its surface has no area"}};
+    for (const auto& [light, reason] : cases) {
+        scene.lights = {light};
+        const Plan plan = makePlan(scene, 1);
+        EXPECT_EQ(plan.culledLights.at(0), reason);
+        for (const Effect& effect : effectsOf(scene, plan)) {
+            if (effect.name != "extended lights") continue;
+            EXPECT_EQ(effect.on, reason.empty());
+            EXPECT_EQ(effect.reason == "every extended light is culled", !reason.empty()) << effect.reason;
+        }
+    }
 }
 
 // A sky that brightens towards its zenith, and in it a sun of 0.53 degrees whose light is a third of all.

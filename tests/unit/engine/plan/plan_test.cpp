@@ -57,6 +57,43 @@ TEST(Plan, HasOnePrimaryGroupAndItIsTheFirst) {
     EXPECT_EQ(lights, 3u);
 }
 
+// Of three tints and two sets of lights, volumes have four pairs. More pairs than channels are an error.
+TEST(ExtinctionChannels, AreThoseOfVolumesAlone) {
+    ViewScene scene = someScene();
+    const ViewVolume first = scene.volumes[0];
+    const auto setVolumes = [&](const std::vector<std::pair<Rgb, std::vector<bool>>>& all) {
+        scene.volumes.clear();
+        for (const auto& [tint, shadows] : all) {
+            scene.volumes.push_back(first);
+            scene.volumes.back().medium.extinctionTint = tint;
+            scene.volumes.back().shadows = shadows;
+        }
+    };
+    const std::vector<bool> one{true, false, false};
+    setVolumes({{Rgb(1), {}}, {{1, 0.5, 0.5}, {}}, {{0.5, 1, 0.5}, {}}, {{0.5, 1, 0.5}, one}, {{0.5, 1, 0.5}, one}});
+    const ExtinctionChannels channels = extinctionChannels(scene);
+    ASSERT_EQ(channels.count(), 4);
+    ASSERT_EQ(channels.shadows.size(), 4u);
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        const std::vector<Real>& weights = channels.weights[v];
+        for (std::size_t i = 0; i < weights.size(); ++i)
+            EXPECT_EQ(weights[i], i == std::min<std::size_t>(v, 3) ? 1 : 0) << v << " " << i;
+    }
+    EXPECT_EQ(channels.castIn(0), (std::vector<int>{0, 1, 2, 3}));
+    EXPECT_EQ(channels.castIn(1), (std::vector<int>{0, 1, 2}));
+
+    std::vector<std::pair<Rgb, std::vector<bool>>> many;
+    const Rgb tints[] = {Rgb(1), {1, 0.5, 0.5}, {0.5, 1, 0.5}};
+    for (int i = 0; i < 8; ++i) many.push_back({tints[i % 3], {(i & 1) != 0, (i & 2) != 0, (i & 4) != 0}});
+    setVolumes(many);
+    EXPECT_EQ(extinctionChannels(scene).count(), 8);
+    for (int i = 0; i < 2; ++i) many.push_back({tints[(i + 1) % 3], {(i & 1) != 0, false, false}});
+    setVolumes(many);
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { extinctionChannels(scene); }),
+              "the volumes have 3 tints of extinction and cast shadows in 8 sets of lights, which takes 10 channels; "
+              "expected at most 9");
+}
+
 TEST(PlannedSheets, CoverTheVolumeWithTwoTexelsOfZerosAround) {
     const ViewScene scene = someScene();
     for (const GroupPlan& group : makePlan(scene, 2).groups) {

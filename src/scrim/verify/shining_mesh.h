@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// The triangles of a mesh that shines, in a tree, so that one of them is chosen by the light that it sends to a place
+// without a look at each.
+#pragma once
+
+#include <scrim/solid/triangle_mesh.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace scrim {
+
+class ShiningMesh {
+  public:
+    struct Choice {
+        std::size_t triangle = 0;  ///< of mesh()
+        double chance = 0;         ///< of this triangle, above 0
+        double rest = 0;           ///< a number in [0, 1] as even as the one that chose
+    };
+
+    /// What shines to a place: nodes of the tree, and running sums of the light that each sends there.
+    struct Seen {
+        std::vector<std::uint32_t> nodes;
+        std::vector<double> sums;
+    };
+
+    ShiningMesh() = default;
+    /// Sorts the triangles, and leaves out those without an area.
+    explicit ShiningMesh(TriangleMesh mesh);
+
+    const TriangleMesh& mesh() const { return m_mesh; }
+
+    Seen seenFrom(const Vec3& ws) const;
+    /// Chooses a triangle by a number in [0, 1), nearly in proportion to the light that its middle sends to `ws`: every
+    /// triangle with that place in front of it has a chance. Nothing where there is none. `seen`: from `ws`.
+    std::optional<Choice> choose(const Seen& seen, const Vec3& ws, double part) const;
+
+  private:
+    // Some triangles that follow each other. An inner node has its first child behind it.
+    struct Node {
+        Vec3 middle{0};     // by area
+        double radius = 0;  // all corners are as near to the middle, or nearer
+        Vec3 area{0};       // the sum of twice the areas, each along its normal
+        Vec3 axis{0};       // unit; the normals are within a cone around it
+        double cosine = -1, sine = 0;
+        std::uint32_t first = 0, count = 0;
+        std::uint32_t second = 0;  // its other child; 0: a leaf
+    };
+
+    std::uint32_t build(std::uint32_t first, std::uint32_t count, double size);
+    Node around(std::uint32_t first, std::uint32_t count) const;
+    void split(const Node& node, double size);
+    double weightOf(std::uint32_t triangle, const Vec3& ws) const;
+    double weightOf(const Node& node, const Vec3& ws) const;
+    void collect(std::uint32_t index, const Vec3& ws, Seen& seen) const;
+
+    TriangleMesh m_mesh;
+    std::vector<Vec3> m_middles, m_crosses;  // of each triangle
+    std::vector<Node> m_nodes;
+};
+
+}  // namespace scrim
