@@ -46,10 +46,10 @@ SampleTile raysOf(const LightView& view, const Int2& cell, int sheet) {
     const LightView::Cells map = view.at(sheet);
     SampleTile rays{};
     for (int k = 0; k < kTileSize; ++k) {
-        const int x = cell.x + k % kTileEdge, y = cell.y + k / kTileEdge;
-        const Vec2 slope = view.distant ? Vec2(view.tsSource) : view.first + view.cell * Vec2(x, y);
-        rays.u[k] = static_cast<Real>(map.offsetU + x * map.scale);
-        rays.v[k] = static_cast<Real>(map.offsetV + y * map.scale);
+        const Vec2 place(cell.x + k % kTileEdge, cell.y + k / kTileEdge);
+        const Vec2 slope = view.distant ? Vec2(view.tsSource) : view.first + view.cell * place;
+        rays.u[k] = static_cast<Real>(map.offsetU + place.x * map.scale);
+        rays.v[k] = static_cast<Real>(map.offsetV + place.y * map.scale);
         rays.eyeA[k] = static_cast<Real>(slope.x * view.slopeScale);
         rays.eyeB[k] = static_cast<Real>(slope.y * view.slopeScale);
     }
@@ -300,13 +300,11 @@ bool Surface::meanExtinction(int p, const LightView& view, const Int2& cell, Cla
 bool Surface::meanOfRun(int p, const SampleTile* at, ClassifiedTile& out) const {
     alignas(64) Real share[kTileSize];
     if (at) cut(p, *at, out.front, out.middle, out.back, share);
-    const bool any = anyShows(out, 0);
-    if (any)
-        m_table.meanExtinction(out.front, out.middle, out.back, out.count, out.extinction, m_simd);
-    else
-        std::fill(out.extinction, out.extinction + kTileSize, Real(0));
-    if (any && at) weigh(p, *at, share, out.extinction);
-    return any;
+    std::fill(out.extinction, out.extinction + kTileSize, Real(0));
+    if (!anyShows(out, 0)) return false;
+    m_table.meanExtinction(out.front, out.middle, out.back, out.count, out.extinction, m_simd);
+    if (at) weigh(p, *at, share, out.extinction);
+    return true;
 }
 
 bool Surface::classify(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out) const {
