@@ -103,7 +103,7 @@ TEST(Clip, AgreesWithBruteForce) {
     scene.volumes[0].wsClip = {below({0.3, 0.2, 1}, 2.7), below({-1, 0, 0}, 9.1)};
     scene.ambient = Rgb(0.3);
     scene.lights.push_back(distantLight({1, -1, -0.6}, 3));
-    expectConvergence(scene, 40, 1, 0.06);  // surfaces, and the edges of cuts
+    expectConvergence(scene, 200, 1, 0.06);  // surfaces, and the edges of cuts
 }
 
 TEST(Clip, AMediumKeepsTheMassThatThePlaneLeaves) {
