@@ -19,6 +19,12 @@ constexpr double kLeastRadius = 0.25;
 // place tells. Only the attenuation by the sheets before counts for it, as in the paper (ZC02 eq. 5).
 constexpr double kSteepestPath = 11.5;
 
+// Lights are followed from sheets before where there are surfaces.
+bool looksBefore(const ViewScene& scene) {
+    return std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                       [](const ViewVolume& volume) { return volume.classified != nullptr; });
+}
+
 // World length of a distant light's path through a sheet, in thicknesses.
 double pathInSheets(const LightView& view) {
     const double a = view.tsSource.x * view.slopeScale, b = view.tsSource.y * view.slopeScale;
@@ -45,8 +51,6 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
       m_simd(plan.simd) {
     const ShadowFilter filter = scene.dials.shadowFilter;
     const int lookUps = plan.shadeAtPixels ? 1 : 2;
-    const bool surfaces = std::any_of(scene.volumes.begin(), scene.volumes.end(),
-                                      [](const ViewVolume& volume) { return volume.classified != nullptr; });
     for (const PlannedLight& light : group.lights) {
         Caster& caster = m_casters.emplace_back();
         if (!light.shadowed) continue;
@@ -59,7 +63,7 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
         for (const int i : caster.channels)
             if (light.lattice.shared())
                 caster.shadows[std::size_t(i)] = std::make_unique<ShadowBuffer>(
-                    light.view, group.sheets, filter, lookUps, group.batchSheets, plan.simd, surfaces);
+                    light.view, group.sheets, filter, lookUps, group.batchSheets, plan.simd, looksBefore(scene));
             else
                 caster.shadows[std::size_t(i)] =
                     std::make_unique<ViewShadow>(light.lattice, group.sheets, filter, group.batchSheets, plan.simd);
@@ -300,8 +304,9 @@ std::size_t LightSweep::bytes() const {
     return sum;
 }
 
-std::size_t LightSweep::shadowBytes(const PlannedLight& light, const Sheets& sheets, int batchSheets) {
-    return light.lattice.shared() ? ShadowBuffer::bytes(light.view, sheets, batchSheets)
+std::size_t LightSweep::shadowBytes(const ViewScene& scene, const PlannedLight& light, const Sheets& sheets,
+                                    int batchSheets) {
+    return light.lattice.shared() ? ShadowBuffer::bytes(light.view, sheets, batchSheets, looksBefore(scene))
                                   : ViewShadow::bytes(light.lattice, batchSheets);
 }
 

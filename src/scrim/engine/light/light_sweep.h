@@ -46,7 +46,8 @@ class LightSweep {
     std::uint64_t solidRays() const;
 
     /// Upper bound on the bytes of one light's shadow buffer for one extinction channel.
-    static std::size_t shadowBytes(const PlannedLight& light, const Sheets& sheets, int batchSheets);
+    static std::size_t shadowBytes(const ViewScene& scene, const PlannedLight& light, const Sheets& sheets,
+                                   int batchSheets);
 
   private:
     struct Caster;

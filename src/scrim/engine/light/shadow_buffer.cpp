@@ -286,14 +286,15 @@ std::size_t ShadowBuffer::bytes() const {
     return floats * sizeof(Real) + m_used.size();
 }
 
-std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets) {
+std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets, bool looksBefore) {
     const auto raster = std::size_t(view.width) * std::size_t(view.height);
     // The window of a batch in cells: the sheet's raster, shifted by the slant of the light.
     const double least = view.distant ? view.cell : view.cell * std::max(0.5, -view.tsSource.z + 0.5);
     const double drift = view.distant ? (std::abs(view.tsSource.x) + std::abs(view.tsSource.y)) * batchSheets : 0;
     const double window =
         (sheets.width + drift + 4 * kTileEdge) * (sheets.height + drift + 4 * kTileEdge) / (least * least);
-    const auto entry = std::size_t(std::min(window, static_cast<double>(raster))) * std::size_t(batchSheets + kBefore);
+    const auto entry = std::size_t(std::min(window, static_cast<double>(raster))) *
+                       std::size_t(batchSheets + (looksBefore ? kBefore : 0));
     return (raster + entry) * sizeof(Real);
 }
 

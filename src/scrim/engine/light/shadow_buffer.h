@@ -86,7 +86,7 @@ class ShadowBuffer final : public Shadow {
 
     std::size_t bytes() const override;
     /// Upper bound on the bytes of a buffer.
-    static std::size_t bytes(const LightView& view, const Sheets& sheets, int batchSheets);
+    static std::size_t bytes(const LightView& view, const Sheets& sheets, int batchSheets, bool looksBefore = false);
 
   private:
     void leaveTheSource(double part, const FloatPlane& extinction);

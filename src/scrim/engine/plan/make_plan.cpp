@@ -33,7 +33,7 @@ std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan
     if (!plan.shadeAtPixels) bytes += PlaneStack::bytes(batch, s.width, s.height, group.outputs.layout.floats());
     for (const PlannedLight& light : group.lights) {
         if (!light.shadowed) continue;
-        bytes += plan.extinction.count() * LightSweep::shadowBytes(light, s, batch) +
+        bytes += plan.extinction.count() * LightSweep::shadowBytes(scene, light, s, batch) +
                  (scene.solids ? SolidShadow::bytes(light.view) : 0);
         if (!light.lattice.shared())
             bytes += ExtinctionSum::bytes(scene, plan, s, light.lattice, batch, ExtinctionSum::For::light);
