@@ -42,9 +42,9 @@ struct SceneOptions {
     bool verbose = false, quiet = false;
 
     std::string stats, preview;
-    std::string display;  ///< HOST:PORT of a viewer; "": none
-    std::string view;     ///< view of the preview; "": the scene's
-    bool annotate = false;
+    std::string display;             ///< HOST:PORT of a viewer; "": none
+    std::string view;                ///< view of the preview; "": the scene's
+    bool annotate = false;           ///< previews with a scale bar and axes
     std::optional<double> exposure;  ///< exposure of the preview, stops
     std::optional<Vec3> wsUp;        ///< up direction of assets
     int turntable = 0;               ///< frames; 0: none

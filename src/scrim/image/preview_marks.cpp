@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -84,10 +83,13 @@ class Drawing {
 
     void line(const Vec2& from, const Vec2& to, const Rgb& color = Rgb(1)) { m_lines.push_back({from, to, color}); }
 
+    // Half of a text's width, pixels.
+    double halfOf(const std::string& letters) const { return step() * (2.0 * double(letters.size()) - 1); }
+
     // Text whose middle is `middle`.
     void text(const std::string& letters, const Vec2& middle, const Rgb& color = Rgb(1)) {
-        const double step = 2.2 * m_unit;
-        Vec2 corner = middle - step * Vec2(2.0 * double(letters.size()) - 1, 2);
+        const double step = this->step();
+        Vec2 corner = middle - Vec2(halfOf(letters), 2 * step);
         for (const char letter : letters) {
             const std::string_view strokes = strokesOf(letter);
             for (std::size_t i = 1; i < strokes.size(); ++i)
@@ -105,6 +107,8 @@ class Drawing {
     }
 
   private:
+    double step() const { return 2.2 * m_unit; }  // of the letters' grid
+
     // A line with round ends, `half` pixels to either side; its rim covers pixels in part.
     void stroke(const Vec2& from, const Vec2& to, const Rgb& color, double half, double opacity) {
         const PixelWindow& window = m_picture.window;
@@ -141,8 +145,7 @@ void drawBar(Drawing& drawing, const Vec2& size, double worldOfPixel) {
     drawing.line({x, y}, {x + pixels, y});
     for (const double end : {x, x + pixels}) drawing.line({end, y - 4 * unit}, {end, y + 4 * unit});
     const std::string text = fmt::format("{:g}", length);
-    const double half = 2.2 * unit * (2.0 * double(text.size()) - 1);
-    drawing.text(text, {std::max(x + pixels / 2, x + half), y - 12 * unit});
+    drawing.text(text, {x + std::max(pixels / 2, drawing.halfOf(text)), y - 12 * unit});
 }
 
 void drawAxes(Drawing& drawing, const Vec2& size, const Camera& camera) {

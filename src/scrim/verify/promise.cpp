@@ -61,6 +61,24 @@ ViewScene unlit(ViewScene scene) {
     return scene;
 }
 
+// The model of a scene of media, by rays.
+ToleranceModel modelOfMedia(const ViewScene& scene) {
+    // The scenes in which the errors were measured had lights. Where none shines, sheets lie along the picture and only
+    // edges of the volume are visible: the error is twice as large, and larger in thin media.
+    constexpr double kUnlit = 2;
+    const bool lit = std::any_of(scene.lights.begin(), scene.lights.end(),
+                                 [](const Light& light) { return light.intensity != Rgb(0); });
+    // They were suns, too. With surfaces, skies and lamps in the smoke (promises.py --extended, seed 1) texels and
+    // sheets that were chosen for suns left more than the promise in three of ten scenes, and in one with this factor.
+    // Cells leave an error of their own where voxels are opaque; finer texels cost less than finer cells.
+    constexpr double kSoft = 1.5, kSoftAndOpaque = 2, kOpaque = 1;
+    const double soft = !softlyLit(scene) ? 1 : depthOfVoxel(scene) > kOpaque ? kSoftAndOpaque : kSoft;
+    double error = pilotError(scene, kRays);
+    // Lights that miss all volumes say nothing about the error.
+    if (lit && error == 0) error = kUnlit * pilotError(unlit(scene), kRays);
+    return expectedModel((lit ? 1 : kUnlit) * soft * error, meanSlant(scene));
+}
+
 }  // namespace
 
 double meanSlant(const ViewScene& scene) {
@@ -156,23 +174,7 @@ PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) 
     // limit is not fine enough, a warning says so.
     const double finest =
         classified ? std::clamp(std::floor(28 * std::pow(promised / 0.02, 0.47)) / 100, 0.12, 0.5) : kFinestPromised;
-    // The scenes in which the errors were measured had lights. Where none shines, sheets lie along the picture and only
-    // edges of the volume are visible: the error is twice as large, and larger in thin media.
-    constexpr double kUnlit = 2;
-    const bool lit = std::any_of(scene.lights.begin(), scene.lights.end(),
-                                 [](const Light& light) { return light.intensity != Rgb(0); });
-    // They were suns, too. With surfaces, skies and lamps in the smoke (promises.py --extended, seed 1) texels and
-    // sheets that were chosen for suns left more than the promise in three of ten scenes, and in one with this factor.
-    // Cells leave an error of their own where voxels are opaque; finer texels cost less than finer cells.
-    constexpr double kSoft = 1.5, kSoftAndOpaque = 2, kOpaque = 1;
-    const double soft = !softlyLit(scene) ? 1 : depthOfVoxel(scene) > kOpaque ? kSoftAndOpaque : kSoft;
-    const auto modelOfMedia = [&] {
-        double error = pilotError(scene, kRays);
-        // Lights that miss all volumes say nothing about the error.
-        if (lit && error == 0) error = kUnlit * pilotError(unlit(scene), kRays);
-        return expectedModel((lit ? 1 : kUnlit) * soft * error, meanSlant(scene));
-    };
-    PromisedDials out = dialsFor(scene.dials, classified ? modelOfSurfaces(scene) : modelOfMedia(),
+    PromisedDials out = dialsFor(scene.dials, classified ? modelOfSurfaces(scene) : modelOfMedia(scene),
                                  promised < kFine ? kFineAim * promised : promised, finest);
     out.promised = promised;
     if (classified) boundSurfaces(out.dials);

@@ -188,6 +188,11 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
 
 namespace {
 
+// How much longer than the sheet is thick the way of a ray through it is.
+Real slantOf(const SampleTile& at, int k) {
+    return std::sqrt(1 + at.eyeA[k] * at.eyeA[k] + at.eyeB[k] * at.eyeB[k]);
+}
+
 // Adds the optical depth of the surfaces along a light's rays through sheet p; `at` is as in Surface::meanExtinction.
 void addDepth(int p, const SampleTile& at, const std::vector<const Surface*>& surfaces, Real thickness, int count,
               Real* tau) {
@@ -196,9 +201,7 @@ void addDepth(int p, const SampleTile& at, const std::vector<const Surface*>& su
     for (const Surface* surface : surfaces) {
         through.leave();
         if (!surface->meanExtinction(p, at, through)) continue;
-        for (int k = 0; k < count; ++k)
-            tau[k] +=
-                through.extinction[k] * thickness * std::sqrt(1 + at.eyeA[k] * at.eyeA[k] + at.eyeB[k] * at.eyeB[k]);
+        for (int k = 0; k < count; ++k) tau[k] += through.extinction[k] * thickness * slantOf(at, k);
     }
 }
 
@@ -280,11 +283,11 @@ void LightSweep::lookUpEnds(int p, std::size_t number, const SampleTile& samples
         for (int i = 0; i < count; ++i) (face < 0 ? first : last)[live[i]] = tau[i];
     }
     if (!light.withinSheet) return;
-    if (apart) addDepth(p, rays, surfaces, thickness, looked, tau);
-    for (int i = 0; i < count; ++i) {
-        const Real a = rays.eyeA[i], b = rays.eyeB[i];
-        last[live[i]] = apart ? tau[i] : last[live[i]] + extinction[live[i]] * thickness * std::sqrt(1 + a * a + b * b);
-    }
+    if (apart)
+        addDepth(p, rays, surfaces, thickness, looked, tau);
+    else
+        for (int i = 0; i < count; ++i) tau[i] += extinction[live[i]] * thickness * slantOf(rays, i);
+    for (int i = 0; i < count; ++i) last[live[i]] = tau[i];
 }
 
 std::uint64_t LightSweep::solidRays() const {

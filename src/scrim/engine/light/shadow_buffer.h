@@ -44,7 +44,7 @@ class Shadow {
     /// The same at `count` arbitrary texel positions, a multiple of 16 and at most 256.
     virtual void lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const = 0;
     /// The number of sheets before a sheet of the batch that lookUpBefore reaches.
-    static constexpr int kBefore = 2;
+    static constexpr int kBefore = Surface::kBefore - Surface::kBehind;
     /// Tau at entry into sheet s - `back`, on the light's rays that cross sheet s at `count` positions. `known` becomes
     /// 0 where that sheet has no extinction near the ray, or lies before the light: tau is then undefined.
     virtual void lookUpBefore(int /*s*/, int /*back*/, const Real* /*u*/, const Real* /*v*/, int count, Real* /*tau*/,

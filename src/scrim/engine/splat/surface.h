@@ -90,7 +90,7 @@ class Surface {
     static std::size_t bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets);
     /// The number of sheets on either side of a batch that are looked up. A ray's course takes one, and lights are
-    /// followed from two sheets before (Shadow::kBefore).
+    /// followed from two sheets before.
     static constexpr int kBefore = 3, kBehind = 1;
 
   private:
