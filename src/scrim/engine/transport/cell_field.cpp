@@ -85,9 +85,13 @@ double CellField::wayTo(const Int3& cell) const {
 
 void CellField::makeMean(const CellMedia& media, std::shared_ptr<const CellField> open) {
     m_open = std::move(open);
+    const double radius = m_hollow ? radiusOfSphere(*m_lamp) : 0;
     forCells([&](const Int3& cell, Real* values) {
-        for (std::size_t c = 0; c < m_colours; ++c)
-            values[c] = -std::log(std::max(values[c], Real(1e-30))) / static_cast<Real>(wayTo(cell));
+        const double way = wayTo(cell);
+        for (std::size_t c = 0; c < m_colours; ++c) {
+            const double depth = -std::log(std::max(double(values[c]), 1e-30));
+            values[c] = static_cast<Real>((radius > 0 ? depth + shellOverDisk(radius / way * depth) : depth) / way);
+        }
     });
     if (!m_lamp->shadows) return;
     sharpenMeans(*this, [&](const Int3& cell) { return wayTo(cell); });

@@ -108,6 +108,12 @@ inline constexpr double kDarkDepth = 60;
 /// The least way that a mean extinction is for, in cells.
 inline constexpr double kLeastWay = 1e-3;
 
+/// By how much the logarithm of a sphere's light is too large on cells, where points on a shell of sqrt(3/4) radii
+/// stand for it (pointsOfLamp): light begins at the surface, which bulges by sqrt(1 - b^2) radii towards a place where
+/// it leaves b radii aside, and b is spread as on that shell, not as on a disk. `depth`: of one radius of what is
+/// around.
+double shellOverDisk(double depth);
+
 /// Takes from the mean extinctions of a field, each on the way of `wayTo` to a cell, what linear interpolation and
 /// cells add in the mean: a twelfth of the second differences each, the latter because extinction is the mean over a
 /// cell, and again over cells beside a ray. Neighbours that are dark, or have no way, do not count.
