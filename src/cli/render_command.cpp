@@ -292,11 +292,13 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     throwIfInterrupted();
     finishWriting();
     if (mayWriteBeside(input, rendered)) {
-        m_beside.reset(new FrameBeingWritten{&input, std::move(rendered)});
-        m_beside->done = std::async(std::launch::async, [all = m_beside.get()] {
+        std::unique_ptr<FrameBeingWritten> beside(new FrameBeingWritten{&input, std::move(rendered)});
+        // Where there is no memory for a thread, finishWriting() writes it.
+        beside->done = std::async(std::launch::async | std::launch::deferred, [all = beside.get()] {
             write(*all->input, all->frame,
                   [all](Severity severity, const std::string& text) { all->messages.emplace_back(severity, text); });
         });
+        m_beside = std::move(beside);
     } else {
         write(input, rendered, m_console.sink());
         tell(rendered.report());
