@@ -296,7 +296,7 @@ std::size_t CellSlices::bytes() const {
 }
 
 double shellOverDisk(double depth) {
-    const double a = std::clamp(depth, 0.0, 20.0);
+    const double a = std::clamp(depth, 0.0, 20.0);  // denser, the medium shows nothing one radius away
     double shell = 0;
     for (const auto& [c, weight] : kFourPoints) shell += weight * std::exp(a * std::sqrt(0.25 + 0.75 * c * c));
     const double disk = a < 1e-2 ? 1 + a * (2.0 / 3 + a / 4) : 2 * (std::exp(a) * (a - 1) + 1) / (a * a);

@@ -108,10 +108,10 @@ inline constexpr double kDarkDepth = 60;
 /// The least way that a mean extinction is for, in cells.
 inline constexpr double kLeastWay = 1e-3;
 
-/// By how much the logarithm of a sphere's light is too large on cells, where points on a shell of sqrt(3/4) radii
-/// stand for it (pointsOfLamp): light begins at the surface, which bulges by sqrt(1 - b^2) radii towards a place where
-/// it leaves b radii aside, and b is spread as on that shell, not as on a disk. `depth`: of one radius of what is
-/// around.
+/// The logarithm of the ratio by which the light of a hollow sphere is too bright where points on a shell of sqrt(3/4)
+/// radii stand for it (pointsOfLamp). What passes b radii beside the centre begins at the surface, sqrt(1 - b^2) radii
+/// nearer; the sphere, seen as a disk, and the shell differ in how often each b occurs. `depth`: the optical depth of
+/// one radius through the medium around the sphere.
 double shellOverDisk(double depth);
 
 /// Takes from the mean extinctions of a field, each on the way of `wayTo` to a cell, what linear interpolation and
