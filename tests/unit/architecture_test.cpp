@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -21,8 +23,8 @@ namespace {
 
 // From the bottom up: a file includes its own folder and those before it. The last one is no folder: it is the header
 // that includes all that is public.
-const std::vector<std::string> kLayers{"base", "geometry", "image", "solid", "volume", "guard", "scene",
-                                       "engine", "verify",   "shot",  "study", "scrim.h"};
+const std::vector<std::string> kLayers{"base",  "geometry", "image",  "solid", "volume", "guard",
+                                       "scene", "engine",   "verify", "shot",  "study",  "scrim.h"};
 
 // The rooms of the engine, likewise. Files of the engine itself stand above all of them; what is compiled anew for
 // every instruction set stands below.
@@ -290,6 +292,88 @@ TEST(Library, PrintingAndExitingWouldBeFound) {
     SourceFile file{"x.cpp", "base", "", "a.exited(1); exit_now(); my_exit(2);\n  std::cout << 1; exit (3);\n"};
     EXPECT_EQ(linesWith(file, "exit", true), std::vector<std::string>{"x.cpp:2: exit"});
     EXPECT_EQ(linesWith(file, "cout", false), std::vector<std::string>{"x.cpp:2: cout"});
+}
+
+// The paths in the first column of the table below `heading` in LIBRARY.md.
+std::vector<std::string> stopsBelow(const std::string& heading) {
+    std::ifstream in(std::string(SCRIM_SOURCE_DIR) + "/examples/LIBRARY.md");
+    std::vector<std::string> stops;
+    bool below = false;
+    for (std::string line; std::getline(in, line);) {
+        if (line.starts_with("#")) below = line == heading;
+        if (below && line.starts_with("| `")) stops.push_back(line.substr(3, line.find('`', 3) - 3));
+    }
+    return stops;
+}
+
+// What the unit of a header includes of ours: the header, and the source files that implement it, whose first include
+// it is.
+std::vector<std::string> includesOfUnit(const std::string& header) {
+    std::vector<std::string> names;
+    for (const SourceFile& file : library()) {
+        const std::vector<std::string> ours = ourIncludes(file);
+        const bool implements = !file.header() && !ours.empty() && ours.front() == header;
+        if (file.path == "src/scrim/" + header || implements) names.insert(names.end(), ours.begin(), ours.end());
+    }
+    return names;
+}
+
+// Whoever leaves out a stop breaks the chain, unless the two beside it know each other anyway.
+TEST(Ways, OfAVoxelPassFilesThatKnowOneAnother) {
+    constexpr std::size_t kMostStops = 30;
+    const std::vector<std::string> stops = stopsBelow("### The way of a voxel");
+    EXPECT_GT(stops.size(), kMostStops / 2);
+    EXPECT_LE(stops.size(), kMostStops);
+    std::vector<std::vector<std::string>> includes;
+    for (const std::string& stop : stops) includes.push_back(includesOfUnit(stop));
+    const auto knows = [&](std::size_t one, std::size_t other) {
+        return std::find(includes[one].begin(), includes[one].end(), stops[other]) != includes[one].end();
+    };
+    for (std::size_t i = 0; i < stops.size(); ++i) {
+        EXPECT_TRUE(std::filesystem::exists(std::string(SCRIM_SOURCE_DIR) + "/src/scrim/" + stops[i])) << stops[i];
+        bool known = i == 0;
+        for (std::size_t earlier = 0; earlier < i; ++earlier) known |= knows(i, earlier) || knows(earlier, i);
+        EXPECT_TRUE(known) << stops[i] << " neither includes a stop before it nor is included by one";
+    }
+}
+
+TEST(Ways, OfALightPassFourTypes) {
+    for (const char* type : {"Light", "PlannedLight", "SheetLight", "Incidence"}) {
+        std::size_t definitions = 0;
+        for (const SourceFile& file : library())
+            if (file.header()) definitions += linesWith(file, "struct " + std::string(type) + " {", false).size();
+        EXPECT_EQ(definitions, 1u) << type;
+    }
+}
+
+// A key's files are its table, the scene's member, and those that read or check it by name. Names that several tables
+// share are left out, since a use does not tell which is meant.
+TEST(Ways, OfAKeyPassFewFiles) {
+    constexpr std::size_t kMostByName = 3;
+    // How readers name a table: `k`, `keys`, or keysOf<...>().
+    const std::vector<std::string> before{"k.", "keys.", "()."};
+    const std::regex definition(R"(const Key& (\w+) =)");
+    std::map<std::string, std::size_t> keys;
+    for (const SourceFile& file : library())
+        for (std::sregex_iterator i(file.code.begin(), file.code.end(), definition), end; i != end; ++i)
+            ++keys[(*i)[1].str()];
+    std::size_t read = 0;
+    for (const auto& [key, count] : keys) {
+        if (count > 1) continue;
+        std::string files;
+        std::size_t users = 0;
+        for (const SourceFile& file : library()) {
+            const bool uses = std::any_of(before.begin(), before.end(), [&](const std::string& table) {
+                return !linesWith(file, table + key, false).empty();
+            });
+            if (!uses) continue;
+            ++users;
+            files += " " + file.path;
+        }
+        EXPECT_LE(users, kMostByName) << key << ":" << files;
+        read += users > 0 ? 1 : 0;
+    }
+    EXPECT_GT(read, 30u);
 }
 
 }  // namespace

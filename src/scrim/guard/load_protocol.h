@@ -22,7 +22,7 @@ struct LoadMessage {
 };
 
 /// `kBeside` is a second file to read, or the input again where there is none; so is `kStderr` where it is not used.
-/// From `kMore` on there are the other files of a volume that is put together from several.
+/// The descriptors from `kMore` on are the other files of a volume that is put together from several.
 enum LoadDescriptor : std::uint32_t {
     kControl,
     kTransfer,

@@ -38,7 +38,7 @@ double readLens(TomlTable& table, const TomlValue& focalLength, const ReadContex
     if (fit && film.y == 0)
         fit->fail(fmt::format("{} needs the height of the film; expected {} = [width, height]", k.fit, k.aperture));
     const double filmAspect = film.y == 0 ? aspect : film.x / film.y;
-    // In the order of the key's words.
+    // The order is that of the key's words.
     const bool keepsWidth[] = {true, false, aspect >= filmAspect, aspect < filmAspect};
     return keepsWidth[fit ? fit->choice() : 0] ? 0.5 * film.x / f : 0.5 * film.y / f * aspect;
 }

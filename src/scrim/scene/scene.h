@@ -52,7 +52,7 @@ enum class OutsidePolicy {
     black,  ///< no volume
 };
 
-/// Which file of its sequence a volume shows.
+/// Maps a frame to the file of its sequence that a volume shows.
 struct FrameMap {
     double speed = 1, offset = 0;
     Keyed<double> keys = {};  ///< maps frame to file number, in place of `speed`; empty: `speed` counts
@@ -105,7 +105,7 @@ enum class NoiseMode {
     erode,     ///< minus amount * (1 + noise) / 2, and at least 0: thin places vanish first
 };
 
-/// In the order in which it is done.
+/// The members are in the order in which shading applies them.
 struct DensityShading {
     std::optional<Remap> remap = {};
     std::optional<std::array<double, 2>> edge = {};  ///< from the first value to the second, density fades in

@@ -21,7 +21,7 @@ std::string keyText(std::string_view key) {
     return bare ? std::string(key) : tomlString(std::string(key));
 }
 
-/// With a point or an exponent, without which it would be an integer.
+/// A float of TOML, which has a point or an exponent; without them it would be an integer.
 std::string numberText(double value) {
     const std::string text = fmt::format("{}", value);
     return text.find_first_not_of("-0123456789") == std::string::npos ? text + ".0" : text;

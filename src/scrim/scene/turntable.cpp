@@ -39,7 +39,7 @@ std::vector<std::string> turntableOverrides(const SceneText& text, const std::ve
     };
     const Vec3 position = pointOf(k.position), target = pointOf(k.target);
     const auto up = camera.find(k.up);
-    // From world space into the orbit's frame.
+    // The way from the target to the camera, in the orbit's frame.
     const Vec3 arm = (position - target) * wsFromOrbit(up ? readDirection(*up, 1) : Vec3(0, 1, 0));
     const double radius = glm::length(arm);
     const double elevation = radius > 0 ? glm::degrees(std::asin(std::clamp(arm.y / radius, -1.0, 1.0))) : 0;

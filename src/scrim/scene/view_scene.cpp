@@ -14,6 +14,18 @@ bool solidsBlock(const ViewScene& scene) {
     return scene.solids && scene.solids->any(SolidRole::shadow);
 }
 
+bool anyClassified(const ViewScene& scene) {
+    return std::ranges::any_of(scene.volumes, [](const ViewVolume& v) { return v.classified != nullptr; });
+}
+
+bool anyEmits(const ViewScene& scene) {
+    return std::ranges::any_of(scene.volumes, [](const ViewVolume& v) { return !v.emission.empty(); });
+}
+
+bool anyScattersFully(const ViewScene& scene) {
+    return std::ranges::any_of(scene.volumes, scattersFully);
+}
+
 bool greyExtinction(const ViewScene& scene) {
     return std::all_of(scene.volumes.begin(), scene.volumes.end(),
                        [](const ViewVolume& v) { return v.classified || isGrey(v.medium.extinctionTint); });
@@ -21,7 +33,7 @@ bool greyExtinction(const ViewScene& scene) {
 
 bool greyScattering(const ViewScene& scene) {
     // Beside volumes in which light scatters more than once, others scatter light to them.
-    const bool all = std::any_of(scene.volumes.begin(), scene.volumes.end(), scattersFully);
+    const bool all = anyScattersFully(scene);
     return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [&](const ViewVolume& v) {
                return !all || v.classified || (v.scatter.empty() && isGrey(v.medium.albedo));
            });

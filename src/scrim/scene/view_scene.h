@@ -137,6 +137,11 @@ struct ViewScene {
 
 bool wants(const ViewScene& scene, Layer layer);
 
+/// Whether any volume is classified, emits, or scatters light more than once.
+bool anyClassified(const ViewScene& scene);
+bool anyEmits(const ViewScene& scene);
+bool anyScattersFully(const ViewScene& scene);
+
 /// True if extinction is the same in all colours, and if what scatters more than once is, too.
 bool greyExtinction(const ViewScene& scene);
 bool greyScattering(const ViewScene& scene);

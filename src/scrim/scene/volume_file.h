@@ -29,7 +29,7 @@ VolumeFile findVolumeFile(const SceneVolume& volume);
 
 /// The patterns of all files that the volume shows at some frame; none for a source.
 std::vector<FramePath> sequencesOf(const SceneVolume& volume);
-/// That of them which says what frames there are: the first with a frame number, else the first.
+/// The pattern that says what frames there are: the first one with a frame number, else the first one.
 const FramePath& leadingSequence(const SceneVolume& volume);
 
 }  // namespace scrim

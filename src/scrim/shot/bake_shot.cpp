@@ -32,7 +32,7 @@ std::string placed(const Scene& scene, const std::string& key) {
     return where.empty() ? where : where + ": ";
 }
 
-// Which lights of the scene were requested.
+// For each light of the scene, whether the request names it.
 std::vector<bool> wantedLights(const Scene& scene, const BakeRequest& request) {
     if (scene.lights.empty())
         throw Error(ErrorKind::input,

@@ -79,7 +79,7 @@ void eraseThreads(Json& json) {
         for (Json& value : json) eraseThreads(value);
 }
 
-// Of layers of caught shadows.
+// How far layers of caught shadows are off; empty where none was examined.
 std::string caughtText(const VerificationReport& v) {
     if (v.caughtValues == 0) return "";
     return fmt::format("; caught shadows differ by {:.4f}, at most {:.4f}, in {} values", v.caughtError, v.caughtWorst,
@@ -90,7 +90,7 @@ std::string verificationText(const VerificationReport& v) {
     const std::string pixels = v.edge > 1 ? fmt::format("means over {0} x {0} pixels", v.edge) : "pixels";
     if (v.pixels == 0)
         return fmt::format("; nothing to verify: all {} {} that were examined are empty", v.looked, pixels);
-    // Of a noisy reference the error is not known exactly, even where nothing was left out.
+    // A noisy reference leaves the error uncertain, even where all pixels were examined.
     if (v.complete && v.lower == v.upper)
         return fmt::format("; error {:.2f} %, of alpha {:.2f} %, at all {} {} that are not empty", 100 * v.error,
                            100 * v.alphaError, v.pixels, pixels);

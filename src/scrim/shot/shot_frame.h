@@ -53,8 +53,9 @@ struct VerificationReport {
     double worst = 0;            ///< RMS difference of one pixel over the mean reference
     int worstX = 0, worstY = 0;  ///< that pixel
     int edge = 1;  ///< what is called a pixel here is the mean over a square of `edge` x `edge` pixels, see its corner
-    /// Of the values, from 0 to 1, that layers of caught shadows have where solids show; 0 where there are none.
-    double caughtError = 0, caughtWorst = 0;  ///< root mean square and largest of the differences
+    /// Root mean square and largest difference of layers of caught shadows, whose values lie in [0, 1], where solids
+    /// show; 0 where none do.
+    double caughtError = 0, caughtWorst = 0;
     int caughtValues = 0;
     std::vector<ExaminedPixel> examined;  ///< those that counted, in the order in which they were drawn
 };

@@ -187,7 +187,8 @@ class UsualWays {
             }
     }
     double longest() const { return m_longest; }
-    // Of the velocity with the fastest voxels beyond the usual: its usual displacement and the longest one; 0: none.
+    // The usual and the longest displacement of the volume whose fastest voxels are farthest beyond the usual; both are
+    // 0 where no volume has such voxels.
     const std::pair<double, double>& outlier() const { return m_outlier; }
 
   private:

@@ -250,7 +250,7 @@ void Run::drawErrors() {
 Study Run::study() {
     m_study.threads = threadCount();
     const ViewScene base = m_sceneWith(m_base);
-    m_study.sweeps = dialSweeps(std::any_of(base.volumes.begin(), base.volumes.end(), scattersFully));
+    m_study.sweeps = dialSweeps(anyScattersFully(base));
     addTrial(m_study.trials, "the scene's own", m_base);
     renderBase();
     for (const std::string& name : presetNames())

@@ -52,7 +52,7 @@ struct PathTracer::Random {
 };
 
 PathTracer::PathTracer(const ViewScene& scene, FieldSamplers* shared) : m_scene(scene) {
-    m_any = std::any_of(scene.volumes.begin(), scene.volumes.end(), scattersFully);
+    m_any = anyScattersFully(scene);
     if (!m_any) return;
     m_lights = lightsSent(scene.lights);
     FieldSamplers own;

@@ -85,10 +85,8 @@ class PilotScene {
                          [](const PilotLight& a, const PilotLight& b) { return a.power > b.power; });
         if (m_lights.size() > kMostLights) m_lights.resize(kMostLights);
         m_ambient = kFourPi * glm::dot(scene.ambient, Rgb(1.0 / 3));
-        const bool glows = std::any_of(scene.volumes.begin(), scene.volumes.end(),
-                                       [](const ViewVolume& volume) { return !volume.emission.empty(); });
         // In a scene without light only opacity is visible; constant ambient light then stands for it.
-        if (m_ambient == 0 && !glows && (m_lights.empty() || m_lights.front().power == 0)) m_ambient = 1;
+        if (m_ambient == 0 && !anyEmits(scene) && (m_lights.empty() || m_lights.front().power == 0)) m_ambient = 1;
         // Sheets lie half-way between eye and light. Any two axes within them will do.
         Vec3 axis = viewingAxis(scene.camera);
         if (!m_lights.empty()) {

@@ -165,8 +165,7 @@ void setScattering(Dials& dials, const ScatterChoice& choice) {
 }
 
 PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) {
-    const bool classified = std::any_of(scene.volumes.begin(), scene.volumes.end(),
-                                        [](const ViewVolume& volume) { return volume.classified != nullptr; });
+    const bool classified = anyClassified(scene);
     const double promised = promisedError(quality, classified);
     // With dials this fine, kinks, rounding and quantised footprints lower the order of convergence.
     constexpr double kFine = 2e-3, kFineAim = 0.6;

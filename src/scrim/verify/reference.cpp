@@ -46,7 +46,7 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
     m_wsBounds = wsBounds(scene);
     m_lights = lightsSent(scene.lights);
     // The error of n x n rays shrinks at least as 1 / n^2, and samples along an eye ray have independent errors.
-    // From a mesh to the next triangle the light jumps, so that it takes more.
+    // The light of a mesh jumps from triangle to triangle, so it takes more.
     constexpr int kFewest = 6, kMost = 24;
     const bool mesh = std::ranges::any_of(
         scene.lights, [](const Light& light) { return light.area() && light.area()->shape == AreaShape::mesh; });

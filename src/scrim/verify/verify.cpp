@@ -197,7 +197,7 @@ Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidat
 }  // namespace
 
 int verifiedEdge(const ViewScene& truth) {
-    return std::any_of(truth.volumes.begin(), truth.volumes.end(), scattersFully) ? kScatteringMean : 1;
+    return anyScattersFully(truth) ? kScatteringMean : 1;
 }
 
 PixelSample samplePixels(const ViewScene& truth, const Image& image, const SampleOptions& options) {

@@ -18,8 +18,8 @@ namespace scrim {
 /// Therefore the probability that the first N pixels contain none of a set that is a fraction f of all is at most about
 /// (1 - f)^N.
 ///
-/// With an `edge` above 1, the same for the squares of `edge` x `edge` pixels that may show something. They cover the
-/// picture, and each is given by its corner, whose coordinates are multiples of `edge`.
+/// If `edge` is above 1, squares of `edge` x `edge` pixels take the place of pixels. They cover the picture, and each
+/// is given by its corner, whose coordinates are multiples of `edge`.
 std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, unsigned seed, int edge = 1);
 
 }  // namespace scrim

@@ -19,16 +19,10 @@ constexpr double kLeastRadius = 0.25;
 // place tells. Only the attenuation by the sheets before counts for it, as in the paper (ZC02 eq. 5).
 constexpr double kSteepestPath = 11.5;
 
-// Lights are followed from sheets before where there are surfaces.
-bool looksBefore(const ViewScene& scene) {
-    return std::any_of(scene.volumes.begin(), scene.volumes.end(),
-                       [](const ViewVolume& volume) { return volume.classified != nullptr; });
-}
-
 // World length of a distant light's path through a sheet, in thicknesses.
 double pathInSheets(const LightView& view) {
-    const double a = view.tsSource.x * view.slopeScale, b = view.tsSource.y * view.slopeScale;
-    return std::sqrt(1 + a * a + b * b);
+    const Vec2 slope = view.slopeAt(0, 0);
+    return std::sqrt(1 + glm::dot(slope, slope));
 }
 
 }  // namespace
@@ -63,7 +57,7 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
         for (const int i : caster.channels)
             if (light.lattice.shared())
                 caster.shadows[std::size_t(i)] = std::make_unique<ShadowBuffer>(
-                    light.view, group.sheets, filter, lookUps, group.batchSheets, plan.simd, looksBefore(scene));
+                    light.view, group.sheets, filter, lookUps, group.batchSheets, plan.simd, anyClassified(scene));
             else
                 caster.shadows[std::size_t(i)] =
                     std::make_unique<ViewShadow>(light.lattice, group.sheets, filter, group.batchSheets, plan.simd);
@@ -146,8 +140,9 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
         out.slide = {light.slide->image.get(), light.slide->outside, sheetMap(slideMap(light), sheets, sheet + 0.5),
                      m_simd};
     if (out.distant) {
-        out.slopeA = static_cast<Real>(plan.view.tsSource.x * plan.view.slopeScale);
-        out.slopeB = static_cast<Real>(plan.view.tsSource.y * plan.view.slopeScale);
+        const Vec2 slope = plan.view.slopeAt(0, 0);
+        out.slopeA = static_cast<Real>(slope.x);
+        out.slopeB = static_cast<Real>(slope.y);
         return out;
     }
     out.texelU = static_cast<Real>(plan.view.tsSource.x);
@@ -309,7 +304,7 @@ std::size_t LightSweep::bytes() const {
 
 std::size_t LightSweep::shadowBytes(const ViewScene& scene, const PlannedLight& light, const Sheets& sheets,
                                     int batchSheets) {
-    return light.lattice.shared() ? ShadowBuffer::bytes(light.view, sheets, batchSheets, looksBefore(scene))
+    return light.lattice.shared() ? ShadowBuffer::bytes(light.view, sheets, batchSheets, anyClassified(scene))
                                   : ViewShadow::bytes(light.lattice, batchSheets);
 }
 

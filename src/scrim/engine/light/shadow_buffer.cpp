@@ -49,10 +49,9 @@ void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
     samplePoints(extinction, u, v, false, kTileEdge, sigma);
     for (int y = 0; y < m_view.height; ++y)
         for (int x = 0; x < m_view.width; ++x) {
-            const double a = (m_view.first.x + x * m_view.cell) * m_view.slopeScale;
-            const double b = (m_view.first.y + y * m_view.cell) * m_view.slopeScale;
+            const Vec2 slope = m_view.slopeAt(x, y);
             m_tau[std::size_t(y) * std::size_t(m_view.width) + std::size_t(x)] +=
-                static_cast<Real>(part * m_thickness * std::sqrt(1 + a * a + b * b)) * sigma[0];
+                static_cast<Real>(part * m_thickness * std::sqrt(1 + glm::dot(slope, slope))) * sigma[0];
         }
 }
 
@@ -176,15 +175,10 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
         const int cellX = (m_window.x0 + x) * kTileEdge, cellY = tileY * kTileEdge;
         tile.u = static_cast<Real>(map.offsetU + cellX * map.scale);
         tile.v = static_cast<Real>(map.offsetV + cellY * map.scale);
-        const double s0 = m_view.slopeScale;
-        if (m_view.distant) {
-            tile.slopeA = static_cast<Real>(m_view.tsSource.x * s0);
-            tile.slopeB = static_cast<Real>(m_view.tsSource.y * s0);
-        } else {
-            tile.slopeA = static_cast<Real>((m_view.first.x + cellX * m_view.cell) * s0);
-            tile.slopeB = static_cast<Real>((m_view.first.y + cellY * m_view.cell) * s0);
-            tile.slopeStep = static_cast<Real>(m_view.cell * s0);
-        }
+        const Vec2 slope = m_view.slopeAt(cellX, cellY);
+        tile.slopeA = static_cast<Real>(slope.x);
+        tile.slopeB = static_cast<Real>(slope.y);
+        tile.slopeStep = static_cast<Real>(m_view.slopeStep());
         tile.tau = m_tau.data() + static_cast<std::ptrdiff_t>(cellY) * m_view.width + cellX;
         tile.entry = m_entry.data() + std::size_t(s) * entryStride() +
                      static_cast<std::ptrdiff_t>(task * kTileEdge) * windowWidth() + x * kTileEdge;

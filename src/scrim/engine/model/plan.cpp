@@ -60,10 +60,8 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
     if (primary && holdsOut(scene)) layout.seen = layout.outputs++;
     layout.coloured = coloured;
     // An output that is the sum of other existing outputs needs no quad of its own.
-    const bool emits = std::any_of(scene.volumes.begin(), scene.volumes.end(),
-                                   [](const ViewVolume& volume) { return !volume.emission.empty(); });
     const bool ambientLeft = primary && lit && layout.ambient == 0;
-    const bool emissionLeft = primary && emits && layout.emission == 0;
+    const bool emissionLeft = primary && anyEmits(scene) && layout.emission == 0;
     const bool lightsLeft = (!lights.empty() || (primary && !scattered.empty())) && !wants(Layer::light);
     layout.beauty = layout.beautyParts == 1 || ambientLeft || emissionLeft || lightsLeft;
     constexpr int kMostOutputs = 250;

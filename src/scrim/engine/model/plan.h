@@ -163,6 +163,15 @@ struct LightView {
     int height = 0;
     double slopeScale = 1;  ///< texel / thickness: turns dU/dN into the slope du/dw
 
+    /// The slope (du/dw, dv/dw) of the ray through cell (i, j), the same on every sheet; a distant light's is the same
+    /// in all cells.
+    Vec2 slopeAt(double i, double j) const {
+        return (distant ? Vec2(tsSource) : first + cell * Vec2(i, j)) * slopeScale;
+    }
+
+    /// The difference of the slopes of two cells side by side.
+    double slopeStep() const { return distant ? 0 : cell * slopeScale; }
+
     /// True if the light reaches the middle plane of sheet n. A point light needs half a sheet of distance, since its
     /// rays cannot be distinguished closer than that.
     bool reaches(int n) const { return distant || n + 0.5 - tsSource.z >= 0.5; }

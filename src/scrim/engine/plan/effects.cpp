@@ -216,7 +216,7 @@ std::string phaseName(const Phase& phase) {
 
 Effect emission(const ViewScene& scene) {
     Finder found(scene);
-    const bool lights = std::any_of(scene.volumes.begin(), scene.volumes.end(), scattersFully);
+    const bool lights = anyScattersFully(scene);
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.emission.empty()) continue;
         const std::string medium = "volume." + volume.name + ".medium.";

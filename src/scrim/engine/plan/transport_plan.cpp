@@ -46,9 +46,7 @@ std::vector<ScatterTarget> targetsOf(const ViewScene& scene) {
         else
             beauty.ambient = true;
     }
-    const bool glows = std::any_of(scene.volumes.begin(), scene.volumes.end(),
-                                   [](const ViewVolume& v) { return !v.emission.empty(); });
-    if (glows) {
+    if (anyEmits(scene)) {
         if (wants(scene, Layer::emission))
             targets.push_back({Output{Layer::emission}, {}, false, true});
         else

@@ -45,7 +45,7 @@ class FieldPlanes {
 
     /// The plane of a sheet of the batch or beside it. Planes form a ring, so that every sheet is splatted only once.
     int planeOf(int sheet) const { return (sheet - m_origin + m_settings.before) % planes().planes(); }
-    /// Without sheets beside it, planes [0, count) are those of the batch.
+    /// Planes [0, count) are those of the batch if the settings ask for no sheets beside it.
     const PlaneStack& planes(std::size_t field = 0) const { return m_planes[field]; }
 
     std::size_t bytes() const;

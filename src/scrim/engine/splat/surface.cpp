@@ -47,11 +47,11 @@ SampleTile raysOf(const LightView& view, const Int2& cell, int sheet) {
     SampleTile rays{};
     for (int k = 0; k < kTileSize; ++k) {
         const Vec2 place(cell.x + k % kTileEdge, cell.y + k / kTileEdge);
-        const Vec2 slope = view.distant ? Vec2(view.tsSource) : view.first + view.cell * place;
+        const Vec2 slope = view.slopeAt(place.x, place.y);
         rays.u[k] = static_cast<Real>(map.offsetU + place.x * map.scale);
         rays.v[k] = static_cast<Real>(map.offsetV + place.y * map.scale);
-        rays.eyeA[k] = static_cast<Real>(slope.x * view.slopeScale);
-        rays.eyeB[k] = static_cast<Real>(slope.y * view.slopeScale);
+        rays.eyeA[k] = static_cast<Real>(slope.x);
+        rays.eyeB[k] = static_cast<Real>(slope.y);
     }
     return rays;
 }

@@ -224,7 +224,7 @@ double CellField::meanNearSphere(const Vec3& way, const Vec3& path, double extin
         const double cosine = std::sqrt(std::max(1 - radius2 / r2, 0.0));
         return std::exp(-extinction * wayFrom(*m_lamp, std::sqrt(r2))) / (1 + cosine);
     };
-    // From the sphere on, where light changes as a square root does, by Gauss and Legendre in the root.
+    // Light changes as a square root does at the sphere, so Gauss-Legendre takes the root as its variable.
     const auto outside = [&](double nearest, double farthest) {
         if (farthest <= nearest) return 0.0;
         double sum = 0;
@@ -322,8 +322,8 @@ void CellField::sampleAt(const Vec3& at, std::pair<Int3, std::int32_t>& last, Re
 
 namespace {
 
-// From this optical depth of a sheet on its halves count apart, since light that fades within it does so as an
-// exponential and not evenly.
+// The halves of a sheet count apart if its optical depth is above this, since light that fades within the sheet does so
+// as an exponential and not evenly.
 constexpr double kThick = 0.5;
 
 // The eye sees more of the nearer part of a sheet. Light that changes evenly along its path, of optical depth `tau`,

@@ -94,8 +94,9 @@ class CellGrid {
     /// A point near the centre of a cell, which stands for the cell where walls are concerned. It lies beside the
     /// places that walls like, such as the middle between two voxels.
     Vec3 wsInside(const Int3& place) const { return wsFromCs(Vec3(place) + Vec3(0.5113, 0.5171, 0.5237)); }
-    /// Which of eight neighbouring cells (bit a of the bit's number: the upper one along axis a) are on the same side
-    /// of the walls as `ws`, which lies between their centres. `low`: the place of the first in the padded block.
+    /// A bit for each of eight neighbouring cells: it is set if the cell is on the same side of the walls as `ws`,
+    /// which lies between their centres. Bit a of a bit's number says whether its cell is the upper one along axis a.
+    /// `low`: the place of the first cell in the padded block.
     unsigned onSideOf(const Vec3& ws, std::size_t block, const Int3& low) const;
 
     /// Sides of walls that send light back, as a cell sees one of its faces: 2 axis, + 1 for the upper one.

@@ -287,7 +287,7 @@ namespace {
 // Coarser cells along an edge of a finer block, including one around it on each side.
 constexpr int kAround = kCellEdge / 2 + 2;
 constexpr std::size_t kNear = std::size_t(kAround) * kAround * kAround;
-// Of two neighbours along an axis, the nearer one has the weight three quarters.
+// The weights of two neighbours along an axis.
 constexpr Real kNearer = Real(0.75), kFarther = Real(0.25);
 
 // The indices of the two coarser cells beside cell i of an edge: the nearer one, and the other.

@@ -44,8 +44,8 @@ struct CellView {
     bool parallelEye = true;
     Vec3 eye{0};  ///< its place, in the axes of CellSlices and in cells; parallel: the direction towards it
     std::size_t colours = 1;
-    /// From how many steps on a ray, from + steps perStep in cells of the box, is dark behind a surface; infinity: none
-    /// is in its way. Parallel rays begin at minus infinity, others at 0.
+    /// The number of steps after which the ray from + steps perStep (cells of the box) is dark, because it has met a
+    /// surface; infinity where it meets none. Parallel rays begin at minus infinity, others at 0.
     std::function<double(const Vec3& from, const Vec3& perStep, bool parallel)> darkFrom;
 };
 
@@ -361,7 +361,7 @@ class PointRaster {
         const V8 part = hn::MulSub(facing, value8(m_rays.spreadTangent), sine);
         return hn::Mul(hn::Max(part, hn::Zero(D8())), value8(m_rays.spreadScale));
     }
-    // From the source to the middle of a slice, and to the middle of the part of it that lies ahead of the source.
+    // Distances from the source to the middle of a slice, and to the middle of its part that lies ahead of the source.
     double distance(int step) const { return (slice(step) + 0.5 - m_rays.from.z) * (m_down ? -1 : 1); }
     double middle(int step) const { return std::max(distance(step), 0.5 * (distance(step) + 0.5)); }
     // Whether a cell at this place beside the source, along i (0) or j (1), lies in the face. Cells on an edge belong

@@ -104,8 +104,8 @@ struct Sources {
     bool blocked = false;     // by solids
 };
 
-// Of a lamp, which stands alone, the transmittance is kept: the mean of light of 4 pi from its points, scattered to all
-// sides alike.
+// A lamp's cells keep its transmittance: they stand alone, each point shines 4 pi over their number, and all that
+// arrives is scattered to all sides alike.
 Sources sourcesOfLamp(const Light& light, int count) {
     const std::vector<Vec3> points = pointsOfLamp(light, count);
     Sources lamp;
@@ -242,8 +242,9 @@ class Pass {
     const std::function<void()>& m_checkpoint;
 };
 
-// A corner of a voxel, so that cells of one voxel are the voxels, and their centres are where the field's values are.
-// Of smaller cells, one has its centre there, so that what is interpolated between cells has the field's own kinks.
+// The corner at which cells begin. It is a corner of a voxel, so that cells of one voxel are the voxels, and their
+// centres are where the field's values are. If cells are smaller, one in each voxel has its centre there, so that what
+// is interpolated between cells has the field's own kinks.
 Vec3 cornerOfVoxels(const ViewScene& scene, double edge) {
     for (const ViewVolume& volume : scene.volumes)
         if (!volume.field->empty())
