@@ -73,7 +73,7 @@ void bake(const SceneOptions& options) {
     claim(input, options, output);
     Progress progress(options.progress, console);
     progress.setFrameCount(static_cast<int>(input.frames().size()));
-    const BakeRequest request{options.bakedLights, options.emission};
+    const BakeRequest request{options.bakedLights, options.emission, options.indirect};
     for (const int frame : input.frames()) {
         progress.beginFrame(frame);
         RenderOptions baking = renderOptionsOf(options, console.sink());

@@ -254,6 +254,7 @@ void addBakeOptions(CLI::App& command, SceneOptions& o) {
         ->type_name("NAME")
         ->allow_extra_args(false);
     command.add_flag("--emission", o.emission, "also save scattered light as an emission grid, and extinction");
+    command.add_flag("--indirect", o.indirect, "also save light that has scattered before: mean radiance and flux");
     addProgress(command, o);
 }
 

@@ -57,6 +57,7 @@ struct SceneOptions {
     std::string baked;                     ///< `scrim bake`: the file to write
     std::vector<std::string> bakedLights;  ///< `scrim bake`: names of lights; empty: all
     bool emission = false;
+    bool indirect = false;
 
     bool json = false;  ///< for `scrim plan`
     double budget = 0;  ///< for `scrim study`: seconds; 0: none

@@ -4,10 +4,13 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/light/light_sweep.h>
+#include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/plan/make_plan.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
 #include <scrim/engine/splat/plane_stack.h>
+#include <scrim/engine/transport/scattered_light.h>
 #include <scrim/scene/field_rays.h>
 
 #include <algorithm>
@@ -36,6 +39,10 @@ double blocksOf(const SparseField& field) {
     return count;
 }
 
+void report(const ProgressSink& progress, double done) {
+    if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the bake was interrupted");
+}
+
 BakedVolume emptyBake(const SparseField& field) {
     BakedVolume out;
     for (std::size_t b = 0; b < field.blockCount(); ++b) {
@@ -46,24 +53,11 @@ BakedVolume emptyBake(const SparseField& field) {
         out.active.push_back(active);
     }
     for (const ConstantTile& tile : field.tiles)
-        for (int x = 0; x < tile.edge; x += kBlockEdge)
-            for (int y = 0; y < tile.edge; y += kBlockEdge)
-                for (int z = 0; z < tile.edge; z += kBlockEdge) {
-                    out.blockOrigins.push_back(tile.origin + Int3(x, y, z));
-                    out.active.push_back(std::bitset<kBlockVoxels>().set());
-                }
-    return out;
-}
-
-// The direction of travel of the most important light, if it has one; sheets are then perpendicular to it.
-Vec3 mainDirection(const ViewScene& scene, const Vec3& center) {
-    for (const bool shadows : {true, false})
-        for (const Light& light : scene.lights) {
-            if (light.shadows != shadows || light.dome() || light.intensity == Rgb(0)) continue;
-            const Vec3 way = light.distant() ? light.wsDirection : center - light.wsPosition;
-            if (glm::length(way) > 0) return glm::normalize(way);
+        for (int n = tile.edge / kBlockEdge, i = 0; i < n * n * n; ++i) {
+            out.blockOrigins.push_back(tile.origin + kBlockEdge * Int3(i / (n * n), i / n % n, i % n));
+            out.active.push_back(std::bitset<kBlockVoxels>().set());
         }
-    return {0, 0, -1};
+    return out;
 }
 
 // The scene as seen by an eye that looks at all of its volumes along the main light. Nothing is culled, and every light
@@ -80,6 +74,7 @@ ViewScene bakingScene(const ViewScene& given) {
         volume.scatter.clear();
         volume.emission.clear();
         volume.medium.albedo = Rgb(1);
+        volume.medium.scattering = Scattering::single;  // what is scattered before is added afterwards
     }
     for (Light& light : scene.lights) light.shadow = ShadowMethod::buffers;
     scene.dials.splat = SplatMode::shared;
@@ -88,18 +83,8 @@ ViewScene bakingScene(const ViewScene& given) {
     scene.dials.shade = ShadeMode::pixel;  // one look-up between buffer and voxel, as for pixels
     scene.dials.antialias = 1;
     scene.dials.crossFade = 0;
-    const Bounds box = wsBounds(scene);
-    if (box.empty()) return scene;
-    const Vec3 way = mainDirection(scene, box.center());
-    const double size = std::max(glm::length(box.size()), 1e-300);
-    Camera camera;
-    camera.type = CameraType::orthographic;
-    camera.height = 1.01 * size;
-    camera.wsPosition = box.center() - size * way;
-    camera.wsFromCamera = lookAt(camera.wsPosition, box.center(), {0, 1, 0});
-    camera.resolution = {64, 64};
-    scene.camera = camera;
-    scene.region = scene.picture = {0, 0, camera.resolution.x, camera.resolution.y};
+    scene.camera = cameraAlongLight(scene);
+    scene.region = scene.picture = {0, 0, scene.camera.resolution.x, scene.camera.resolution.y};
     return scene;
 }
 
@@ -287,10 +272,7 @@ void Baking::sweep(const GroupPlan& group, const ProgressSink& progress) {
     ExtinctionSum extinction(m_scene, m_plan, group.sheets, group.lattice, group.batchSheets,
                              ExtinctionSum::For::light);
     LightSweep lights(m_scene, m_plan, group);
-    struct Task {
-        std::size_t volume, from, to;
-    };
-    std::vector<Task> tasks;
+    std::vector<std::array<std::size_t, 3>> tasks;  // volume, and from which block to which
     for (std::size_t v = 0; v < m_out.size(); ++v)
         for (std::size_t b = 0; b < m_out[v].blockOrigins.size(); b += kBlocks)
             tasks.push_back({v, b, std::min(b + kBlocks, m_out[v].blockOrigins.size())});
@@ -299,11 +281,53 @@ void Baking::sweep(const GroupPlan& group, const ProgressSink& progress) {
         extinction.splat(first, count, &group.needed);
         lights.attenuate(first, count, extinction);
         const Batch batch{group, extinction, lights, first, count};
-        parallelFor(tasks.size(),
-                    [&](std::size_t i) { bakeBlocks(batch, tasks[i].volume, tasks[i].from, tasks[i].to); });
-        if (progress &&
-            !progress(double(first + count - group.needed.first) / (group.needed.last - group.needed.first)))
-            throw Error(ErrorKind::interrupted, "the bake was interrupted");
+        parallelFor(tasks.size(), [&](std::size_t i) { bakeBlocks(batch, tasks[i][0], tasks[i][1], tasks[i][2]); });
+        report(progress, double(first + count - group.needed.first) / (group.needed.last - group.needed.first));
+    }
+}
+
+// Adds light that has scattered before to `out`: its mean radiance to what volumes that scatter more than once
+// scatter, as irradiance from all sides.
+void addScattered(const ViewScene& given, bool indirect, const ProgressSink& progress, std::vector<BakedVolume>& out) {
+    ViewScene scene = given;
+    scene.layers = {Layer::indirect, Layer::ambient};  // keeps apart what has not scattered, and ambient light
+    const TransportPlan plan = planTransport(scene);
+    if (!plan.any()) return;
+    Solved solved;
+    const auto stop = [&] { report(progress, 1); };
+    const auto [means, fluxes] = scatteredMoments(scene, plan, indirect, Simd(), stop, solved);
+    for (std::size_t v = 0; v < out.size(); ++v) {
+        const ViewVolume& volume = scene.volumes[v];
+        if (!scattersFully(volume)) continue;
+        BakedVolume& baked = out[v];
+        baked.change = solved.converged ? 0 : solved.change;
+        const std::size_t floats = baked.blockOrigins.size() * kBlockFloats;
+        if (indirect) {
+            baked.indirect.resize(floats);
+            for (auto& flux : baked.flux) flux.resize(floats);
+        }
+        parallelFor(baked.blockOrigins.size(), [&](std::size_t b) {
+            for (int i = 0; i < kBlockVoxels; ++i) {
+                if (!baked.active[b][std::size_t(i)]) continue;
+                const Vec3 ws = transformPoint(volume.wsFromIs, Vec3(voxelOf(baked.blockOrigins[b], i)));
+                const std::size_t at = b * kBlockFloats + std::size_t(i);
+                Real rgb[3];
+                for (const CellLight& light : means) {
+                    // Lights have brought what has not scattered before. Ambient light has not.
+                    const bool scatters = light.again || light.output == Output{Layer::ambient};
+                    light.ofVolume[v]->sample(ws, rgb);
+                    for (std::size_t c = 0; c < 3; ++c) {
+                        if (light.again && indirect) baked.indirect[at + c * kBlockVoxels] += rgb[c];
+                        if (scatters && !baked.scattered.empty())
+                            baked.scattered[at + c * kBlockVoxels] += static_cast<Real>(4 * std::numbers::pi) * rgb[c];
+                    }
+                }
+                for (std::size_t axis = 0; indirect && axis < 3; ++axis) {
+                    fluxes[v][axis]->sample(ws, rgb);
+                    for (std::size_t c = 0; c < 3; ++c) baked.flux[c][at + axis * kBlockVoxels] = rgb[c];
+                }
+            }
+        });
     }
 }
 
@@ -311,23 +335,20 @@ void Baking::sweep(const GroupPlan& group, const ProgressSink& progress) {
 void scatter(const ViewScene& scene, const ViewVolume& volume, BakedVolume& out) {
     if (out.scattered.empty()) return;
     const Medium& medium = volume.medium;
-    std::vector<FieldRays> fields;
-    std::vector<Mat4> places;
+    const Rgb ambient = scattersFully(volume) ? Rgb(0) : scene.ambient;  // addScattered has brought it
+    std::vector<FieldRays> fields;                                       // of one lattice
     const bool grid = !volume.scatter.empty();
-    for (std::size_t c = 0; c < (grid ? 3 : 1); ++c) {
-        const SparseField& field = grid ? *volume.scatter[c].field : *volume.field;
-        fields.emplace_back(field);
-        places.push_back(field.wsFromIs);
-    }
+    for (std::size_t c = 0; c < (grid ? 3 : 1); ++c)
+        fields.emplace_back(grid ? *volume.scatter[c].field : *volume.field);
     parallelFor(out.blockOrigins.size(), [&](std::size_t b) {
         for (int i = 0; i < kBlockVoxels; ++i) {
             if (!out.active[b][std::size_t(i)]) continue;
-            const Vec3 is(voxelOf(out.blockOrigins[b], i));
+            const Vec3 ws = transformPoint(volume.field->wsFromIs, Vec3(voxelOf(out.blockOrigins[b], i)));
             float* own = out.scattered.data() + b * kBlockFloats + i;
             for (int c = 0; c < 3; ++c) {
                 const std::size_t f = grid ? std::size_t(c) : 0;
-                const double value = fields[f].value(transformPoint(places[f], is)) * (grid ? 1 : medium.albedo[c]);
-                const double arrives = own[c * kBlockVoxels] / (4 * std::numbers::pi) + scene.ambient[c];
+                const double value = fields[f].value(ws) * (grid ? 1 : medium.albedo[c]);
+                const double arrives = own[c * kBlockVoxels] / (4 * std::numbers::pi) + ambient[c];
                 own[c * kBlockVoxels] =
                     static_cast<float>(medium.densityScale * medium.extinctionTint[c] * value * arrives);
             }
@@ -336,11 +357,11 @@ void scatter(const ViewScene& scene, const ViewVolume& volume, BakedVolume& out)
 }
 
 // Throws if the values would exceed the scene's memory limit. Returns the rest of the limit.
-std::size_t limitBeside(const ViewScene& scene, const std::vector<bool>& wanted, bool scattered) {
+std::size_t limitBeside(const ViewScene& scene, const std::vector<bool>& wanted, bool scattered, bool indirect) {
     if (scene.memoryLimit == 0) return 0;
     double bytes = 0;
     for (const ViewVolume& volume : scene.volumes) {
-        std::size_t grids = scattered && !volume.classified ? 1 : 0;
+        std::size_t grids = (scattered && !volume.classified ? 1 : 0) + (indirect && scattersFully(volume) ? 4 : 0);
         for (std::size_t l = 0; l < scene.lights.size(); ++l) grids += wanted[l] && litBy(volume.lights, l) ? 1 : 0;
         bytes += blocksOf(*volume.field) * double(grids * kBlockFloats * sizeof(float));
     }
@@ -353,10 +374,10 @@ std::size_t limitBeside(const ViewScene& scene, const std::vector<bool>& wanted,
 
 }  // namespace
 
-std::vector<BakedVolume> bakeLight(const ViewScene& given, const std::vector<bool>& wanted, bool scattered, int threads,
-                                   const ProgressSink& progress) {
+std::vector<BakedVolume> bakeLight(const ViewScene& given, const std::vector<bool>& wanted, bool scattered,
+                                   bool indirect, int threads, const ProgressSink& progress) {
     ViewScene baking = bakingScene(given);
-    baking.memoryLimit = limitBeside(given, wanted, scattered);
+    baking.memoryLimit = limitBeside(given, wanted, scattered, indirect);
     std::vector<BakedVolume> out;
     for (const ViewVolume& volume : given.volumes) {
         BakedVolume& baked = out.emplace_back(emptyBake(*volume.field));
@@ -371,6 +392,7 @@ std::vector<BakedVolume> bakeLight(const ViewScene& given, const std::vector<boo
     for (std::size_t g = 0; g < plan.groups.size(); ++g)
         bake.sweep(plan.groups[g], partOf(progress, double(g) / double(plan.groups.size()),
                                           double(g + 1) / double(plan.groups.size())));
+    if (scattered || indirect) addScattered(given, indirect, progress, out);
     for (std::size_t v = 0; v < out.size(); ++v) scatter(given, given.volumes[v], out[v]);
     return out;
 }

@@ -6,6 +6,7 @@
 #include <scrim/base/messages.h>
 #include <scrim/scene/view_scene.h>
 
+#include <array>
 #include <bitset>
 #include <vector>
 
@@ -20,15 +21,24 @@ struct BakedVolume {
     /// Empty if the light does not light the volume or was not requested. For an extended light, the sum over its
     /// sub-lights.
     std::vector<std::vector<float>> lights;
-    /// Radiance per world unit that the medium scatters from these lights and from ambient light, with its octaves, but
-    /// as if its phase function were isotropic. Empty if not requested or if the volume is classified.
+    /// Radiance per world unit that the medium scatters from these lights and from ambient light, with its octaves or
+    /// any number of times, but as if its phase function were isotropic for the eye. Empty if not requested or if the
+    /// volume is classified.
     std::vector<float> scattered;
+    /// The mean, over all directions, of the radiance of light that has scattered before, and for each colour the mean
+    /// of that radiance times its direction of travel (x, y and z in world space). Empty if not requested or if the
+    /// volume does not scatter light more than once.
+    std::vector<float> indirect;
+    std::array<std::vector<float>, 3> flux;
+    /// The change that one more sweep would make of light that has scattered before, where that is more than the dial
+    /// asks for; else 0.
+    double change = 0;
 };
 
 /// Bakes each volume of `scene`; the camera is ignored. All volumes cast shadows. `wanted`: for each light of the
-/// scene, whether its own light is kept; `scattered`: whether scattered light is. Throws Error: memory, render,
+/// scene, whether its own light is kept; `scattered` and `indirect`: whether these are. Throws Error: memory, render,
 /// interrupted.
-std::vector<BakedVolume> bakeLight(const ViewScene& scene, const std::vector<bool>& wanted, bool scattered, int threads,
-                                   const ProgressSink& progress = {});
+std::vector<BakedVolume> bakeLight(const ViewScene& scene, const std::vector<bool>& wanted, bool scattered,
+                                   bool indirect, int threads, const ProgressSink& progress = {});
 
 }  // namespace scrim

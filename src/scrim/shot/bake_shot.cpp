@@ -25,11 +25,34 @@ namespace {
 const char* const kIrradiance =
     "irradiance times transmittance; a distant light of intensity 1 gives 1 where nothing is in its way";
 const char* const kScattered = "radiance per world unit, scattered evenly to all sides";
+const char* const kRadiance = "mean over all directions of the radiance of light that has scattered before";
+const char* const kFlux = "mean over all directions of that radiance times the direction of travel in world space";
 const char* const kExtinction = "extinction per world unit";
 
 std::string placed(const Scene& scene, const std::string& key) {
     const std::string where = scene.lines ? scene.lines->of(key) : "";
     return where.empty() ? where : where + ": ";
+}
+
+// True if no light, no glow and no medium makes scattered light coloured.
+bool scattersGrey(const ViewScene& view) {
+    if (!greyScattering(view) || !isGrey(view.ambient)) return false;
+    for (const Light& light : view.lights)
+        if (!isGrey(light.intensity) || light.slide) return false;
+    for (const ViewVolume& volume : view.volumes)
+        for (const ViewEmission& emission : volume.emission)
+            if (!isGrey(emission.color)) return false;
+    return true;
+}
+
+// Something scatters more than once, or there is no indirect light to bake.
+void checkIndirect(const Scene& scene) {
+    for (const SceneVolume& volume : scene.volumes)
+        if (!volume.classified && volume.medium.scattering == Scattering::full) return;
+    throw Error(ErrorKind::input,
+                fmt::format("{}: --indirect: light scatters once in all volumes; expected one with "
+                            "scattering = \"full\", for example by --set 'volume.{}.medium.scattering=full'",
+                            scene.file, scene.volumes.empty() ? "NAME" : scene.volumes.front().name));
 }
 
 // For each light of the scene, whether the request names it.
@@ -60,23 +83,28 @@ Mat3 outputFromWorking(const Scene& scene, const ColourConfig& colour) {
 
 class GridMaker {
   public:
-    GridMaker(const Scene& scene, const Mat3& outputFromWorking, std::string space, bool coloured)
-        : m_scene(scene), m_outputFromWorking(outputFromWorking), m_space(std::move(space)), m_coloured(coloured) {}
+    GridMaker(const Scene& scene, const ViewScene& view, const Mat3& outputFromWorking, std::string space)
+        : m_scene(scene),
+          m_outputFromWorking(outputFromWorking),
+          m_space(std::move(space)),
+          m_coloured(!greyExtinction(view)),
+          m_scattersGrey(scattersGrey(view)) {}
 
     // `baked` is null where the volume shows nothing; its grids are then empty.
     void addVolume(std::size_t volume, const ViewVolume* view, const BakedVolume* baked,
-                   const std::vector<bool>& wanted, bool scattered);
+                   const std::vector<bool>& wanted, const BakeRequest& request);
     std::vector<VdbGrid> take() { return std::move(m_grids); }
 
   private:
     VdbGrid& add(std::size_t volume, const std::string& name, const std::string& of, const BakedVolume* baked);
     void setColours(VdbGrid& grid, std::vector<float> values, bool grey) const;
+    void addIndirect(std::size_t volume, const BakedVolume* baked, bool grey);
     void addExtinction(std::size_t volume, const ViewVolume* view, const BakedVolume* baked);
 
     const Scene& m_scene;
     Mat3 m_outputFromWorking;
     std::string m_space;
-    bool m_coloured;
+    bool m_coloured, m_scattersGrey;  // extinction has colours; all light that scatters is grey
     std::vector<VdbGrid> m_grids;
     std::map<std::string, std::string> m_names;  // grid name, and the light and volume that use it
 };
@@ -139,8 +167,28 @@ void GridMaker::addExtinction(std::size_t volume, const ViewVolume* view, const 
         }
 }
 
+// The flux is a vector in world space for each colour. Colours are converted to the output's space, vectors are not.
+void GridMaker::addIndirect(std::size_t volume, const BakedVolume* baked, bool grey) {
+    const std::string of = fmt::format("the indirect light of volume '{}'", m_scene.volumes[volume].name);
+    VdbGrid& mean = add(volume, "indirect", of, baked);
+    mean.metadata = {{"scrim:unit", kRadiance}};
+    setColours(mean, baked ? baked->indirect : std::vector<float>{}, grey);
+    for (std::size_t c = 0; c < (grey ? 1 : 3); ++c) {
+        VdbGrid& flux = add(volume, grey ? "indirect_flux" : fmt::format("indirect_flux_{}", "rgb"[c]), of, baked);
+        flux.metadata = {{"scrim:unit", kFlux}};
+        flux.colour = true;
+        if (!grey) flux.metadata.emplace_back("scrim:colorspace", m_space);
+        if (!baked) continue;
+        flux.values.resize(baked->flux[0].size());
+        for (std::size_t from = 0; from < 3; ++from) {
+            const auto part = grey ? float(from == 0) : static_cast<float>(m_outputFromWorking[int(from)][int(c)]);
+            for (std::size_t i = 0; i < flux.values.size(); ++i) flux.values[i] += part * baked->flux[from][i];
+        }
+    }
+}
+
 void GridMaker::addVolume(std::size_t volume, const ViewVolume* view, const BakedVolume* baked,
-                          const std::vector<bool>& wanted, bool scattered) {
+                          const std::vector<bool>& wanted, const BakeRequest& request) {
     const SceneVolume& own = m_scene.volumes[volume];
     const std::size_t first = m_grids.size();
     bool greyLights = true;
@@ -155,11 +203,14 @@ void GridMaker::addVolume(std::size_t volume, const ViewVolume* view, const Bake
         grid.metadata = {{"scrim:light", light.name}, {"scrim:unit", kIrradiance}};
         setColours(grid, baked ? baked->lights[l] : std::vector<float>{}, grey);
     }
-    if (scattered && !own.classified) {
+    const bool full = !own.classified && own.medium.scattering == Scattering::full;
+    const bool grey =
+        full ? m_scattersGrey
+             : greyLights && isGrey(own.medium.albedo) && !own.albedoGrid && isGrey(m_scene.ambient) && !m_coloured;
+    if (request.indirect && full) addIndirect(volume, baked, grey);
+    if (request.emission && !own.classified) {
         VdbGrid& grid = add(volume, "emission", fmt::format("the emission of volume '{}'", own.name), baked);
         grid.metadata = {{"scrim:unit", kScattered}};
-        const bool grey =
-            greyLights && isGrey(own.medium.albedo) && !own.albedoGrid && isGrey(m_scene.ambient) && !m_coloured;
         setColours(grid, baked ? baked->scattered : std::vector<float>{}, grey);
         addExtinction(volume, view, baked);
     }
@@ -196,15 +247,16 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
         const std::string space = scene.output.colorspace;
         const Mat3 toOutput = outputFromWorking(scene, content.stores->colour);
         if (request.emission) warnOfLooks(scene, options.messages);
+        if (request.indirect) checkIndirect(scene);
         content.keepPromise(scene, options, ShotUse::render);
         const auto loaded = content.loadOnce(std::move(scene), options, VolumesOf::scene, ShotUse::render);
         out.skipped = !loaded;
         if (!loaded) return;
         const ViewScene view = loaded->view(options, 0, VolumesOf::scene);
         const std::vector<BakedVolume> baked =
-            bakeLight(view, wanted, request.emission, threadCount(), options.progress);
+            bakeLight(view, wanted, request.emission, request.indirect, threadCount(), options.progress);
         const std::string id = content.stores->colour.interopId(space);
-        GridMaker maker(loaded->scene, toOutput, id.empty() ? space : id, !greyExtinction(view));
+        GridMaker maker(loaded->scene, view, toOutput, id.empty() ? space : id);
         for (std::size_t v = 0; v < loaded->scene.volumes.size(); ++v) {
             const std::string& name = loaded->scene.volumes[v].name;
             const auto shown = std::find_if(view.volumes.begin(), view.volumes.end(),
@@ -213,9 +265,13 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
             if (!isThere)
                 notify(options.messages, Severity::warning,
                        fmt::format("frame {}: volume '{}' has no density; its grids are empty", frame, name));
+            if (isThere && baked[std::size_t(shown - view.volumes.begin())].change > 0)
+                notify(options.messages, Severity::warning,
+                       fmt::format("frame {}: volume '{}': scattered light has not converged: a further sweep would "
+                                   "change it by {:.2g} %",
+                                   frame, name, 100 * baked[std::size_t(shown - view.volumes.begin())].change));
             maker.addVolume(v, isThere ? &*shown : nullptr,
-                            isThere ? &baked[std::size_t(shown - view.volumes.begin())] : nullptr, wanted,
-                            request.emission);
+                            isThere ? &baked[std::size_t(shown - view.volumes.begin())] : nullptr, wanted, request);
         }
         out.grids = maker.take();
         for (const VdbGrid& grid : out.grids)

@@ -86,6 +86,21 @@ TEST_F(Bake, WritesSequences) {
                   "all 2 frames would be written to 'light.vdb'; put the frame into its name: light.####.vdb");
 }
 
+TEST_F(Bake, WritesWhatHasScatteredBefore) {
+    const std::string full = kVolume + "[volume.medium]\nscattering = \"full\"\n";
+    write("grey.toml", kCamera + full + kLight);
+    const ProgramResult grey = runWell({"bake", "grey.toml", "-o", "light.vdb", "--indirect"});
+    EXPECT_NE(grey.err.find(": 'key' (float), 'indirect' (float), 'indirect_flux' (vec3s); "), std::string::npos)
+        << grey.err;
+    EXPECT_GT(VdbFile::open(file("light.vdb")).field("indirect", {}).maxValue, 0);
+    write("warm.toml", kCamera + full + kWarm);
+    const ProgramResult warm = runWell({"bake", "warm.toml", "-o", "light.vdb", "--indirect"});
+    EXPECT_NE(warm.err.find(": 'warm_one' (vec3s), 'indirect' (vec3s), 'indirect_flux_r' (vec3s), 'indirect_flux_g' "
+                            "(vec3s), 'indirect_flux_b' (vec3s); "),
+              std::string::npos)
+        << warm.err;
+}
+
 TEST_F(Bake, SaysOfWhichMediaEmissionIsNotAll) {
     write("scene.toml", kCamera + kVolume + "[volume.medium]\nphase = { type = \"hg\", g = 0.5 }\n" + kLight);
     const ProgramResult result = runWell({"bake", "scene.toml", "-o", "light.vdb", "--emission"});
@@ -124,6 +139,10 @@ TEST_F(Bake, RefusesWhatIsWrong) {
     expectFailure({"bake", "same.toml", "-o", "light.vdb"}, kInput,
                   "same.toml: light 'warm one' and light 'warm-one' would both be the grid 'warm_one', whose name has "
                   "only letters, digits and underscores; expected different names");
+    expectFailure(
+        {"bake", "scene.toml", "-o", "light.vdb", "--indirect"}, kInput,
+        "scene.toml: --indirect: light scatters once in all volumes; expected one with scattering = \"full\", "
+        "for example by --set 'volume.volume1.medium.scattering=full'");
     write("file", "");
     expectFailure({"bake", "scene.toml", "-o", "file/light.vdb"}, kOutput,
                   "cannot write 'file/light.vdb': 'file' is not a folder");

@@ -22,7 +22,7 @@ namespace {
 const double kPi = std::acos(-1.0);
 
 std::vector<BakedVolume> bakeAll(const ViewScene& scene) {
-    return bakeLight(scene, std::vector<bool>(scene.lights.size(), true), true, 2);
+    return bakeLight(scene, std::vector<bool>(scene.lights.size(), true), true, false, 2);
 }
 
 struct Voxel {
@@ -109,8 +109,12 @@ ViewScene sceneOf(const std::string& name) {
         }
         return scene;
     }
-    ViewScene scene = sceneWith(name);
-    for (ViewVolume& volume : scene.volumes) volume.medium.phase = {};
+    const bool full = name == "full";
+    ViewScene scene = sceneWith(full ? "ambient" : name);
+    for (ViewVolume& volume : scene.volumes) {
+        volume.medium.phase = {};
+        if (full) volume.medium.scattering = Scattering::full;
+    }
     return scene;
 }
 
@@ -176,7 +180,7 @@ INSTANTIATE_TEST_SUITE_P(Each, Baked,
 // A renderer that shows the baked light as emission, with the same extinction and without any light, shows the picture.
 TEST(BakedLight, AsEmissionIsThePicture) {
     for (const char* name :
-         {"ambient", "coloured extinction", "albedo grid", "octaves", "light linking", "shadow linking"}) {
+         {"ambient", "coloured extinction", "albedo grid", "octaves", "light linking", "shadow linking", "full"}) {
         ViewScene scene = sceneOf(name);
         scene.dials.texel = scene.dials.sheetThickness = 0.7;
         const Frame picture = renderScene(scene);
@@ -189,6 +193,7 @@ TEST(BakedLight, AsEmissionIsThePicture) {
             volume.lights.clear();
             volume.scatter.clear();
             volume.medium.albedo = Rgb(0);
+            volume.medium.scattering = Scattering::single;
             for (int c = 0; c < 3; ++c) {
                 auto field = std::make_shared<SparseField>(*volume.field);
                 auto values = std::shared_ptr<float[]>(new float[baked[v].blockOrigins.size() * kBlockVoxels]);
@@ -224,9 +229,55 @@ TEST(BakedLight, AsEmissionIsThePicture) {
     }
 }
 
+// The divergence of the flux of light that has scattered is what becomes such light less what extinction takes of it:
+// div 4 pi H = sigma_s (E + 4 pi J) - sigma_t 4 pi J (S. Chandrasekhar, Radiative Transfer, 1950). Both sides are
+// weighted with a bell inside of the medium, and the divergence is moved to the bell.
+TEST(BakedLight, FluxOfIndirectLightIsWhatScatteringMakesAndExtinctionTakes) {
+    constexpr double kSigma = 0.12, kAlbedo = 0.9, kWidth = 4;
+    for (const double g : {0.0, 0.6, 0.85}) {
+        Medium medium;
+        medium.densityScale = kSigma;
+        medium.albedo = Rgb(kAlbedo);
+        medium.scattering = Scattering::full;
+        medium.phase = Phase{g};
+        ViewScene scene = orthographicScene(boxField({-20, -20, -20}, {19, 19, 19}), medium, 20, 9);
+        scene.lights = {distantLight(glm::normalize(Vec3(1, -2, -3)), 3)};
+        scene.dials.scatterCell = 2;
+        const BakedVolume baked = bakeLight(scene, {true}, false, true, 2).at(0);
+        for (const Vec3& center : {Vec3(0), Vec3(5, -3, 2), Vec3(-4, 6, 6)}) {
+            double divergence = 0, change = 0, made = 0;
+            for (const Voxel& voxel : voxelsOf(baked)) {
+                const Vec3 way = voxel.is - center;
+                const double bell = std::exp(-glm::dot(way, way) / (2 * kWidth * kWidth));
+                const double mean = 4 * kPi * at(baked.indirect, voxel).x, direct = at(baked.lights[0], voxel).x;
+                divergence += glm::dot(way / (kWidth * kWidth) * bell, 4 * kPi * at(baked.flux[0], voxel));
+                change += bell * kSigma * (kAlbedo * (direct + mean) - mean);
+                made += bell * kSigma * kAlbedo * (direct + mean);
+            }
+            std::printf("g = %g: %.4f of %.4f\n", g, divergence / made, change / made);
+            EXPECT_NEAR(divergence, change, 0.01 * made) << "g = " << g;
+        }
+    }
+}
+
+TEST(BakedLight, IndirectIsOnlyWhereLightScattersMoreThanOnce) {
+    ViewScene scene = plainScene();
+    const auto bake = [&] { return bakeLight(scene, {true, true}, false, true, 2).at(0); };
+    EXPECT_TRUE(bake().indirect.empty());
+    scene.volumes[0].medium.scattering = Scattering::full;
+    const BakedVolume baked = bake();
+    EXPECT_TRUE(baked.scattered.empty());
+    for (const Voxel& voxel : voxelsOf(baked))
+        for (int c = 0; c < 3; ++c) {
+            const double mean = at(baked.indirect, voxel)[c];
+            ASSERT_GT(mean, 0);
+            ASSERT_LE(glm::length(at(baked.flux[std::size_t(c)], voxel)), 1.0001 * mean);
+        }
+}
+
 TEST(BakedLight, ThatIsNotWantedIsNotThere) {
     const ViewScene scene = plainScene();
-    const BakedVolume baked = bakeLight(scene, {false, true}, false, 2).at(0);
+    const BakedVolume baked = bakeLight(scene, {false, true}, false, false, 2).at(0);
     EXPECT_TRUE(baked.lights.at(0).empty());
     EXPECT_FALSE(baked.lights.at(1).empty());
     EXPECT_TRUE(baked.scattered.empty());

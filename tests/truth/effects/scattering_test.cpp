@@ -243,7 +243,7 @@ TEST(MultipleScattering, TakesFewSweepsHoweverOftenLightScatters) {
         const Ordinates set = ordinates(64);
         TransportSolver solver(media, classes, {set, 1e-3, most, accelerate, {}, {}});
         const TransportPlan plan = planTransport(scene);
-        fillSource(scene, media, classes, plan.targets.front(), 0, set, {}, false, solver);
+        fillSource(scene, media, classes, plan.targets.front(), 0, set, {}, false, false, solver);
         return solver.solve(0, {});
     };
     const Solved fast = solve(true, 60), slow = solve(false, 400), stopped = solve(false, 3);

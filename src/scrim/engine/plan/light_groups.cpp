@@ -318,4 +318,33 @@ bool passesBy(const Light& light, const Beam& beam, const Cone& cone) {
     return between > beam.angle + std::acos(std::min(cone.cosAngle, 1.0));
 }
 
+namespace {
+
+// The direction of travel of the most important light.
+Vec3 mainDirection(const ViewScene& scene, const Vec3& center) {
+    for (const bool shadows : {true, false})
+        for (const Light& light : scene.lights) {
+            if (light.shadows != shadows || light.dome() || light.intensity == Rgb(0)) continue;
+            const Vec3 way = light.distant() ? light.wsDirection : center - light.wsPosition;
+            if (glm::length(way) > 0) return glm::normalize(way);
+        }
+    return {0, 0, -1};
+}
+
+}  // namespace
+
+Camera cameraAlongLight(const ViewScene& scene) {
+    Camera camera;
+    const Bounds box = wsBounds(scene);
+    if (box.empty()) return scene.camera;
+    const Vec3 way = mainDirection(scene, box.center());
+    const double size = std::max(glm::length(box.size()), 1e-300);
+    camera.type = CameraType::orthographic;
+    camera.height = 1.01 * size;
+    camera.wsPosition = box.center() - size * way;
+    camera.wsFromCamera = lookAt(camera.wsPosition, box.center(), {0, 1, 0});
+    camera.resolution = {64, 64};
+    return camera;
+}
+
 }  // namespace scrim

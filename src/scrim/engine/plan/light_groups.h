@@ -50,4 +50,8 @@ Cone coneToCorners(const Vec3& wsPoint, const std::vector<Vec3>& corners, std::v
 /// True if the beam misses everything in `cone`, as seen from the light.
 bool passesBy(const Light& light, const Beam& beam, const Cone& cone);
 
+/// A camera that sees all volumes along the most important light, so that sheets are perpendicular to it: for light
+/// that no picture shows.
+Camera cameraAlongLight(const ViewScene& scene);
+
 }  // namespace scrim

@@ -234,6 +234,7 @@ struct Collisions {
     const Ordinates& ordinates;
     Simd simd;
     bool once;  // the light of classes that scatter once, else that of the others
+    bool moments;
 
     // Adds the light to the source of all classes that it lights, per unit of irradiance: one number, or one for each
     // ordinate.
@@ -283,6 +284,14 @@ struct Collisions {
     void addStraight(const ArrivingInCell& arriving, std::size_t cell, std::size_t row,
                      std::vector<std::vector<Real>>& straight) const {
         if (straight.empty() || once || arriving.straightDepth[colour] == 0) return;
+        if (moments) {
+            const double mean =
+                -std::expm1(-arriving.straightDepth[colour]) * arriving.irradiance[colour] / (4 * std::numbers::pi);
+            straight[0][row] += static_cast<Real>(mean);
+            for (int axis = 0; axis < 3; ++axis)
+                straight[std::size_t(1 + axis)][row] += static_cast<Real>(mean * arriving.travel[axis]);
+            return;
+        }
         const double cosine = glm::dot(arriving.travel, travelToEye(scene.camera, media.grid.wsCenter(cell)));
         for (std::size_t k = 0; k < classes.size(); ++k) {
             if (classes[k].once || !classes[k].litBy(owner)) continue;
@@ -324,17 +333,18 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
 
 std::vector<std::vector<Real>> fillSource(const ViewScene& scene, const CellMedia& media,
                                           const std::vector<ScatterClass>& classes, const ScatterTarget& target,
-                                          int colour, const Ordinates& ordinates, Simd simd, bool once,
+                                          int colour, const Ordinates& ordinates, Simd simd, bool once, bool moments,
                                           TransportSolver& solver) {
     std::vector<Real>& source = solver.clearedSource();
     std::vector<std::vector<Real>> straight;
-    if (!media.straight.empty()) straight.assign(classes.size(), std::vector<Real>(solver.rows(), Real(0)));
+    if (!media.straight.empty())
+        straight.assign(moments ? 4 : classes.size(), std::vector<Real>(solver.rows(), Real(0)));
     for (const int light : target.lights) {
         const auto owner = std::size_t(light);
         const Light& whole = scene.lights[owner];
         for (const Light& point : whole.dome() ? sunsOfSky(scene, whole) : pointsOf(scene, whole))
-            Collisions{scene, media, classes, owner, colour, ordinates, simd, once}.addTo(solver, point, source,
-                                                                                          straight);
+            Collisions{scene, media, classes, owner, colour, ordinates, simd, once, moments}.addTo(solver, point,
+                                                                                                   source, straight);
     }
     if (once || !target.emission || media.emission.empty()) return straight;
     const std::size_t values = solver.valuesPerRow();

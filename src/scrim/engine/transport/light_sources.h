@@ -31,11 +31,12 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
 /// each cell, and emission. With `once` it is the light that classes which scatter once send on, and no emission.
 /// Returns the part of that light which had scattered straight on before, because near a light the eye sees the narrow
 /// lobe more sharply than ordinates resolve it: [class][row of the solver], radiance towards the eye per unit of
-/// scattering coefficient; empty if there is none. A few points suffice for an extended light, since light that
-/// scatters twice has no sharp shadows.
+/// scattering coefficient; empty if there is none. With `moments` it is instead the mean over all directions of that
+/// light, and of it times its direction of travel along x, y and z: [moment][row]. A few points suffice for an extended
+/// light, since light that scatters twice has no sharp shadows.
 std::vector<std::vector<Real>> fillSource(const ViewScene& scene, const CellMedia& media,
                                           const std::vector<ScatterClass>& classes, const ScatterTarget& target,
-                                          int colour, const Ordinates& ordinates, Simd simd, bool once,
+                                          int colour, const Ordinates& ordinates, Simd simd, bool once, bool moments,
                                           TransportSolver& solver);
 
 /// The mean of the phase function over light that comes from a cone whose axis has the cosine `toEye` to the direction

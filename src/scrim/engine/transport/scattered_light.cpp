@@ -31,12 +31,18 @@ bool comesIn(const ViewScene& scene, const ScatterTarget& target) {
                                          [&](int light) { return scene.lights[std::size_t(light)].dome(); });
 }
 
+// What the cells keep of radiance along ordinates: what an eye sees of it after one more scattering, its mean over all
+// directions, or that and its flux.
+enum class Kept { towardsEye, mean, meanAndFlux };
+
 class ScatteredLight {
   public:
-    ScatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
+    ScatteredLight(const ViewScene& scene, const TransportPlan& plan, Kept kept, Simd simd,
                    const std::function<void()>& checkpoint);
 
     std::vector<CellLight> lights() const;
+    // For each volume, the flux along x, y and z.
+    std::vector<std::array<std::shared_ptr<const CellField>, 3>> flux() const;
 
     const Solved& solved() const { return m_solved; }
     // Peak memory.
@@ -47,6 +53,9 @@ class ScatteredLight {
                const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint);
     void keep(const ViewScene& scene, const TransportSolver& solver, const SplitPhase& phase, const Real* straight,
               const Ordinates& ordinates, Simd simd, const Rgb& colours, CellField& field) const;
+    void keepFlux(const TransportSolver& solver, const std::vector<std::vector<Real>>& straight,
+                  const Ordinates& ordinates, Simd simd, const Rgb& colours);
+    void limitFlux();
     std::vector<Real> scatteredOnce(const CellMedia& media, const std::vector<ScatterClass>& classes, int colour,
                                     const Ordinates& directions, Simd simd, const TransportSolver& solver) const;
     void extrapolate(const ViewScene& scene, const TransportPlan& plan, Simd simd,
@@ -55,6 +64,7 @@ class ScatteredLight {
     void separate();
     void fillBorders(const TransportSolver& solver, CellField& field) const;
 
+    Kept m_kept;
     std::shared_ptr<const CellGrid> m_grid;
     std::vector<ScatterTarget> m_targets;
     std::vector<int> m_classOf;  // class of each volume of the scene; -1: none
@@ -62,13 +72,14 @@ class ScatteredLight {
     std::vector<std::shared_ptr<CellField>> m_fields;  // [target][class]
     // Likewise, what of it comes in from outside and has not scattered before; null: nothing, or nobody asks for it.
     std::vector<std::shared_ptr<CellField>> m_unscattered;
+    std::array<std::shared_ptr<CellField>, 3> m_flux;  // of all targets, along x, y and z
     Solved m_solved;
     std::size_t m_bytes = 0;
 };
 
-ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
+ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan, Kept kept, Simd simd,
                                const std::function<void()>& checkpoint)
-    : m_targets(plan.targets) {
+    : m_kept(kept), m_targets(plan.targets) {
     const std::vector<ScatterClass> classes = scatterClasses(scene, plan.ordinates);
     m_classes = classes.size();
     m_classOf.assign(scene.volumes.size(), -1);
@@ -84,10 +95,13 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
             if (apart && comesIn(scene, target)) unscattered = std::make_shared<CellField>(m_grid, 3);
             if (unscattered) m_bytes += unscattered->bytes();
         }
+    for (auto& flux : m_flux)
+        if (m_kept == Kept::meanAndFlux) m_bytes += (flux = std::make_shared<CellField>(m_grid, 3))->bytes();
     if (m_grid->cells() > 0) solve(scene, media, classes, plan, simd, checkpoint);
     m_bytes += media.bytes();
     if (m_grid->cells() > 0 && !plan.coarse && m_grid->sides() == 0) extrapolate(scene, plan, simd, checkpoint);
     if (!plan.coarse) separate();
+    limitFlux();
 }
 
 // Light travels between lights, volumes that scatter fully, and the eye; on its way volumes that scatter once may
@@ -98,17 +112,19 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
     const bool walls =
         media.grid.hasWalls() && std::any_of(m_targets.begin(), m_targets.end(),
                                              [&](const ScatterTarget& target) { return comesIn(scene, target); });
-    TransportSolver solver(media, classes,
-                           {directions, scene.dials.scatterError, 60, true, simd, checkpoint,
-                            walls ? bordersOpen(media.grid, directions) : std::vector<std::uint8_t>()});
+    TransportSolver solver(
+        media, classes,
+        {directions, scene.dials.scatterError, 60, true, simd, checkpoint,
+         walls ? bordersOpen(media.grid, directions) : std::vector<std::uint8_t>(), m_kept == Kept::meanAndFlux});
     m_bytes += solver.bytes();
+    const bool eye = m_kept == Kept::towardsEye;
     for (std::size_t t = 0; t < m_targets.size(); ++t) {
         const Rgb shared = colourOf(scene, m_targets[t]);
         const int brightest = axisOfLargest(shared);
         for (int c = 0; c < plan.colours; ++c) {
             const int colour = plan.colours == 1 ? brightest : c;
             const std::vector<std::vector<Real>> straight =
-                fillSource(scene, media, classes, m_targets[t], colour, directions, simd, false, solver);
+                fillSource(scene, media, classes, m_targets[t], colour, directions, simd, false, !eye, solver);
             const std::vector<Real> inflow = inflowOf(scene, m_targets[t], directions, colour);
             m_solved += solver.solve(std::size_t(colour), inflow);
             Rgb colours(0);
@@ -120,28 +136,33 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
                 for (std::size_t k = 0; k < m_classes; ++k)
                     if ((which & (classes[k].once ? once : full)) != 0)
                         keep(scene, solver, classes[k].split,
-                             beams && !straight.empty() && !classes[k].once ? straight[k].data() : nullptr, directions,
-                             simd, factor * colours, *fields[t * m_classes + k]);
+                             beams && !straight.empty() && !classes[k].once ? straight[eye ? k : 0].data() : nullptr,
+                             directions, simd, factor * colours, *fields[t * m_classes + k]);
             };
             keepIn(m_fields, full | once, true, 1);
+            keepFlux(solver, straight, directions, simd, colours);
             const std::vector<Real> again = scatteredOnce(media, classes, colour, directions, simd, solver);
             const bool apart = !inflow.empty() && m_classes > 0 && m_unscattered[t * m_classes];
             if (!inflow.empty() && (apart || !again.empty())) {
                 solver.solveUnscattered(inflow);
                 if (apart) keepIn(m_unscattered, full, false, 1);
+                if (apart) keepFlux(solver, {}, directions, simd, -colours);
                 keepIn(m_fields, once, false, -1);  // they see it as a medium that scatters once does
             }
             if (again.empty()) continue;
-            fillSource(scene, media, classes, m_targets[t], colour, directions, simd, true, solver);
+            fillSource(scene, media, classes, m_targets[t], colour, directions, simd, true, false, solver);
             std::vector<Real>& source = solver.source();
             for (std::size_t i = 0; i < again.size(); ++i) source[i] += again[i];
             m_solved += solver.solve(std::size_t(colour), {});
             keepIn(m_fields, full, false, 1);
+            keepFlux(solver, {}, directions, simd, colours);
         }
         for (std::size_t f = t * m_classes; f < (t + 1) * m_classes; ++f)
             for (const auto& field : {m_fields[f], m_unscattered[f]})
                 if (field) fillBorders(solver, *field);
     }
+    for (const auto& flux : m_flux)
+        if (flux) fillBorders(solver, *flux);
 }
 
 // What classes that scatter once make of a solve's radiance, as a source; empty if there are none of them.
@@ -171,10 +192,12 @@ std::vector<Real> ScatteredLight::scatteredOnce(const CellMedia& media, const st
     return source;
 }
 
-// Adds what the eye sees of a solve to a field, for the cells inside of blocks.
+// Adds what is kept of a solve to a field, for the cells inside of blocks: what the eye sees, or the mean, which is
+// what is scattered by a phase function whose other moments are 0.
 void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver, const SplitPhase& phase,
                           const Real* straight, const Ordinates& directions, Simd simd, const Rgb& colours,
                           CellField& field) const {
+    const std::vector<double> moments = m_kept == Kept::towardsEye ? phase.whole() : std::vector<double>{1};
     const std::size_t values = solver.valuesPerRow();
     parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
         std::vector<Real> row(values);
@@ -185,8 +208,7 @@ void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver,
             const Real* radiance = solver.radiance().data() + std::size_t(at) * values;
             double seen = double(*radiance);
             if (!solver.isotropic()) {
-                scatteringRow(directions, phase.whole(), travelToEye(scene.camera, m_grid->wsCenter(cell)), row.data(),
-                              simd);
+                scatteringRow(directions, moments, travelToEye(scene.camera, m_grid->wsCenter(cell)), row.data(), simd);
                 seen = double(gathered(directions, row.data(), radiance, simd));
             }
             if (straight) seen += double(straight[at]);
@@ -195,6 +217,30 @@ void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver,
             for (int c = 0; c < 3; ++c) to[c] = std::max(to[c] + static_cast<Real>(colours[c] * seen), Real(0));
         }
     });
+}
+
+// Adds the flux of a solve. Cosines are the series of the second moment alone.
+void ScatteredLight::keepFlux(const TransportSolver& solver, const std::vector<std::vector<Real>>& straight,
+                              const Ordinates& directions, Simd simd, const Rgb& colours) {
+    if (m_kept != Kept::meanAndFlux) return;
+    for (int axis = 0; axis < 3; ++axis) {
+        Vec3 along(0);
+        along[axis] = 1;
+        std::vector<Real> row(solver.valuesPerRow());
+        scatteringRow(directions, {0, 1.0 / 3}, along, row.data(), simd);
+        parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
+            for (std::size_t i = 0; i < kBlockCells; ++i) {
+                const std::size_t cell = block * kBlockCells + i;
+                const std::int32_t at = solver.rowOf(cell);
+                if (at < 0) continue;
+                double flux = double(
+                    gathered(directions, row.data(), solver.radiance().data() + std::size_t(at) * row.size(), simd));
+                if (!straight.empty()) flux += double(straight[std::size_t(1 + axis)][std::size_t(at)]);
+                for (int c = 0; c < 3; ++c)
+                    m_flux[std::size_t(axis)]->cell(cell)[c] += static_cast<Real>(colours[c] * flux);
+            }
+        });
+    }
 }
 
 // Fills the cells around each block from its neighbours. Cells without a row of their own get the mean of neighbours
@@ -232,6 +278,35 @@ void ScatteredLight::fillBorders(const TransportSolver& solver, CellField& field
     });
 }
 
+// The mean is extrapolated, and the flux is not; a series may be a little longer than the mean, too.
+void ScatteredLight::limitFlux() {
+    if (m_kept != Kept::meanAndFlux) return;
+    parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
+        for (std::size_t i = 0; i < 3 * kPaddedCells; ++i) {
+            double mean = 0, length2 = 0;
+            for (std::size_t k = 0; k < m_classes; ++k) {  // classes that scatter once lack what has not scattered
+                double sum = 0;
+                for (std::size_t f = k; f < m_fields.size(); f += m_classes)
+                    sum += double(m_fields[f]->block(block)[i]);
+                mean = std::max(mean, sum);
+            }
+            for (const auto& flux : m_flux) length2 += std::pow(double(flux->block(block)[i]), 2);
+            if (length2 <= mean * mean) continue;
+            const double factor = mean / std::sqrt(length2);
+            for (const auto& flux : m_flux) flux->block(block)[i] *= static_cast<Real>(factor);
+        }
+    });
+}
+
+std::vector<std::array<std::shared_ptr<const CellField>, 3>> ScatteredLight::flux() const {
+    std::vector<std::array<std::shared_ptr<const CellField>, 3>> all;
+    for (const int cls : m_classOf) {
+        auto& own = all.emplace_back();
+        if (cls >= 0) std::copy(m_flux.begin(), m_flux.end(), own.begin());
+    }
+    return all;
+}
+
 std::vector<CellLight> ScatteredLight::lights() const {
     std::vector<CellLight> all;
     for (std::size_t t = 0; t < m_targets.size(); ++t) {
@@ -258,7 +333,7 @@ void ScatteredLight::extrapolate(const ViewScene& scene, const TransportPlan& pl
     TransportPlan larger = plan;
     larger.coarse = true;
     larger.edge = 2 * plan.edge;
-    const ScatteredLight twice(scene, larger, simd, checkpoint);
+    const ScatteredLight twice(scene, larger, m_kept == Kept::towardsEye ? m_kept : Kept::mean, simd, checkpoint);
     m_solved += twice.m_solved;
     const auto improve = [&](CellField& field, const CellField& coarse) {
         parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
@@ -296,10 +371,18 @@ void ScatteredLight::separate() {
 
 std::vector<CellLight> scatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
                                       const std::function<void()>& checkpoint, Solved& solved, std::size_t& bytes) {
-    const ScatteredLight light(scene, plan, simd, checkpoint);
+    const ScatteredLight light(scene, plan, Kept::towardsEye, simd, checkpoint);
     solved += light.solved();
     bytes += light.bytes();
     return light.lights();
+}
+
+std::pair<std::vector<CellLight>, std::vector<std::array<std::shared_ptr<const CellField>, 3>>> scatteredMoments(
+    const ViewScene& scene, const TransportPlan& plan, bool flux, Simd simd, const std::function<void()>& checkpoint,
+    Solved& solved) {
+    const ScatteredLight light(scene, plan, flux ? Kept::meanAndFlux : Kept::mean, simd, checkpoint);
+    solved += light.solved();
+    return {light.lights(), light.flux()};
 }
 
 }  // namespace scrim

@@ -10,8 +10,11 @@
 #include <scrim/engine/transport/solver.h>
 #include <scrim/scene/view_scene.h>
 
+#include <array>
 #include <cstddef>
 #include <functional>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace scrim {
@@ -22,5 +25,13 @@ namespace scrim {
 /// number.
 std::vector<CellLight> scatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
                                       const std::function<void()>& checkpoint, Solved& solved, std::size_t& bytes);
+
+/// The same light for no eye: the lights are the mean of radiance over all directions. The second part, if `flux` is
+/// true, is for each volume the vector flux of the light that has scattered before, over 4 pi: the mean of radiance
+/// times direction of travel in world space, a field of red, green and blue for each of x, y and z. It is no longer
+/// than the mean. Volumes that scatter light only once have none.
+std::pair<std::vector<CellLight>, std::vector<std::array<std::shared_ptr<const CellField>, 3>>> scatteredMoments(
+    const ViewScene& scene, const TransportPlan& plan, bool flux, Simd simd, const std::function<void()>& checkpoint,
+    Solved& solved);
 
 }  // namespace scrim

@@ -15,8 +15,7 @@
 namespace scrim {
 namespace {
 
-constexpr std::size_t kFewestCells = 4 * kBlockCells;  // grids with fewer cells are not made coarser
-constexpr std::size_t kMostLevels = 6;
+constexpr std::size_t kFewestCells = 4 * kBlockCells, kMostLevels = 6;  // smaller grids are not made coarser
 // Relative tolerance for a residual. More precision is pointless, since coarser cells only approximate the finer ones.
 constexpr double kCoarseTolerance = 0.2;
 // Sweeps of coarser cells for each sweep of finer ones (few, since every level calls the next), and of the coarsest.
@@ -136,7 +135,8 @@ class TransportSolver::Anderson {
 TransportSolver::TransportSolver(const CellMedia& media, const std::vector<ScatterClass>& classes, Settings settings)
     : m_classes(classes), m_settings(std::move(settings)) {
     m_full = std::size_t(std::count_if(classes.begin(), classes.end(), [](const ScatterClass& c) { return !c.once; }));
-    m_isotropic = std::all_of(classes.begin(), classes.end(), [](const auto& c) { return c.phase.isotropic(); });
+    m_isotropic =
+        !m_settings.directional && std::ranges::all_of(classes, [](const auto& c) { return c.phase.isotropic(); });
     if (!m_isotropic)
         for (std::size_t k = 0; k < m_full; ++k)
             m_matrices.push_back(scatteringMatrix(m_settings.ordinates, classes[k].split.spread()));

@@ -53,12 +53,13 @@ class TransportSolver {
         Simd simd;
         std::function<void()> checkpoint;       ///< called before each sweep; throws to stop
         std::vector<std::uint8_t> border = {};  ///< see CellSweep
+        bool directional = false;               ///< rows hold all ordinates, even if all phase functions are isotropic
     };
     /// `media` and `classes` must outlive this object.
     TransportSolver(const CellMedia& media, const std::vector<ScatterClass>& classes, Settings settings);
     ~TransportSolver();
 
-    /// True if all phase functions are isotropic: rows then have one value, else one for each ordinate.
+    /// True if rows have one value, because all phase functions are isotropic; else they have one for each ordinate.
     bool isotropic() const { return m_isotropic; }
     std::size_t valuesPerRow() const { return m_isotropic ? 1 : std::size_t(m_settings.ordinates.count()); }
     /// The row of a cell; -1 if its light is not needed.
