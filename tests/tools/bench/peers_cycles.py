@@ -6,7 +6,8 @@
 # more samples (0, the default: all get as many).
 # As little as possible is asked of Cycles: a sun without a size, no clamping, no denoiser, and a pixel filter so narrow
 # that all samples go through the middle of the pixel, as everybody else's do. NUMBERS may hold more than those of
-# peers.py: "g" of the phase function (0), "bounces" after the first scattering (0: single scattering), "seed" (0),
+# peers.py: "g" of the phase function (0), "bounces" after the first scattering (0: single scattering), "sky" (the
+# radiance of an even one, 0), "denoise" (by OpenImageDenoise, False), "seed" (0),
 # "threads" (0: as Blender was told), and "twice": a picture of one sample is rendered before, and what Cycles made of
 # the scene is kept for the second, whose seconds are then printed: they are those of rendering alone.
 import json
@@ -79,6 +80,12 @@ sun.energy = numbers["irradiance"]
 sun.angle = 0
 place("key", sun, looking(numbers["light"]))
 scene.world = None
+if numbers.get("sky"):
+    scene.world = bpy.data.worlds.new("sky")
+    scene.world.use_nodes = True
+    background = scene.world.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (1, 1, 1, 1)
+    background.inputs["Strength"].default_value = numbers["sky"]
 
 camera = bpy.data.cameras.new("camera")
 camera.sensor_fit = "HORIZONTAL"
@@ -100,7 +107,7 @@ scene.cycles.samples = int(samples)
 scene.cycles.use_adaptive_sampling = bool(adaptive) and float(adaptive[0]) > 0
 if scene.cycles.use_adaptive_sampling:
     scene.cycles.adaptive_threshold = float(adaptive[0])
-scene.cycles.use_denoising = False
+scene.cycles.use_denoising = numbers.get("denoise", False)
 scene.cycles.seed = numbers.get("seed", 0)
 scene.cycles.volume_bounces = numbers.get("bounces", 0)
 if scene.cycles.volume_bounces > 0:
