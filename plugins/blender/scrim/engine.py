@@ -10,7 +10,7 @@ import traceback
 import bpy
 import numpy as np
 
-from . import colour, exr, export, formulae, motion, preview
+from . import colour, exr, export, formulae, motion, preview, so_far
 from .program_path import program_path
 from .scrim_kit import Failure, frames, program, toml_text
 
@@ -149,8 +149,28 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         top = height - y0 - high
         if (wide, high) != (width, height):
             arguments += ["--crop", f"{x0},{top},{x0 + wide},{top + high}"]
-        self.run(arguments, stats)
+        if self.is_watched():
+            seen = so_far.SoFar()
+            try:
+                self.run([*arguments, "--display-server", seen.address], stats,
+                         lambda: self.show(seen.take(), (wide, high), depsgraph))
+            finally:
+                seen.close()
+        else:
+            self.run(arguments, stats)
         self.put(exr.read(picture), (x0, top, wide, high), passes, depsgraph)
+
+    def is_watched(self):
+        return not bpy.app.background
+
+    def show(self, pixels, size, depsgraph):
+        """Shows the picture so far, if there is one."""
+        wide, high = size
+        if pixels is None or pixels.shape != (high, wide, 4):
+            return
+        result = self.begin_result(0, 0, wide, high, layer=depsgraph.view_layer_eval.name)
+        fill(result.layers[0].passes["Combined"], pixels[::-1])
+        self.end_result(result)
 
     def window(self, render, width, height):
         """What is rendered, in pixels: x0, y0 from the bottom, width, height."""
@@ -182,14 +202,19 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         whole = int(np.floor(time))
         self.frame_set(whole, time - whole)
 
-    def run(self, arguments, stats):
-        """Runs the program, which writes its statistics into the file `stats`, and shows what it tells."""
+    def run(self, arguments, stats, watch=lambda: None):
+        """Runs the program, which writes its statistics into the file `stats`, and shows what it tells. Calls `watch`
+        twenty times a second."""
 
         def progress(part):
             self.update_progress(part)
             self.update_stats("", f"Scrim: {100 * part:.0f} %")
 
-        ended = program.run(arguments, progress, self.cancelled)
+        def cancelled():
+            watch()
+            return self.cancelled()
+
+        ended = program.run(arguments, progress, cancelled)
         for text in ended.warnings:
             self.warn(text)
         if ended.status not in (program.Status.DONE, program.Status.INACCURATE):

@@ -67,6 +67,29 @@ def test_depth_and_transmittance(smoke, tmp_path):
     assert np.abs(1 - s.rgb(got, "Transmittance").mean(-1) - alpha).max() < 1e-3
 
 
+def test_the_picture_is_shown_while_it_is_rendered(smoke, tmp_path, monkeypatch):
+    scene = scene_with(smoke)
+    scene.scrim.overrides = "render.texel=0.1 render.sheet_thickness=0.05"  # for seconds, in which there is news
+    scene.render.use_border, scene.render.use_crop_to_border = True, True
+    scene.render.border_min_x, scene.render.border_max_x = 0.25, 1
+    alone = s.rgb(s.render(tmp_path / "a.exr"))
+    shown = []
+    show = engine.ScrimRenderEngine.show
+
+    def recorded(self, pixels, size, depsgraph):
+        show(self, pixels, size, depsgraph)
+        if pixels is not None:
+            shown.append(pixels)
+
+    monkeypatch.setattr(engine.ScrimRenderEngine, "is_watched", lambda self: True)
+    monkeypatch.setattr(engine.ScrimRenderEngine, "show", recorded)
+    watched = s.rgb(s.render(tmp_path / "b.exr"))
+    assert np.array_equal(watched, alone)
+    # Light is added from front to back.
+    assert all(0 < seen[..., :3].max() and (seen[..., :3] <= alone + 1e-3 * alone.max()).all() for seen in shown)
+    assert shown and shown[0].shape[:2] == alone.shape[:2]
+
+
 @pytest.mark.parametrize("crop", [False, True])
 def test_a_border_is_a_part_of_the_picture(smoke, tmp_path, crop):
     scene = scene_with(smoke)
