@@ -34,7 +34,9 @@ constexpr std::chrono::milliseconds kPause{250};
 constexpr int kPatience = 3000;  // milliseconds, for connecting and for each packet
 constexpr int kTile = 128;       // pixels
 constexpr int kChannels = 4;
-constexpr const char* kSpace = "lin_rec709_scene";  // the space in which the viewer expects floats
+// The space in which the viewer expects floats. Old configs do not have it, and those of Blender before 4.0 work in it
+// without knowing its name: pictures are shown in their working space.
+constexpr const char* kSpace = "lin_rec709_scene";
 
 static_assert(std::endian::native == std::endian::little, "packets hold numbers as memory does");
 
@@ -259,7 +261,7 @@ void DisplayServer::Sender::run() {
 
 std::string DisplayServer::Sender::send(Shown& shown) {
     Image& image = shown.image;
-    shown.colours.convert(image, shown.colours.workingSpace(), kSpace);
+    if (shown.colours.hasSpace(kSpace)) shown.colours.convert(image, shown.colours.workingSpace(), kSpace);
     const PixelWindow window = image.window;
     const bool isNew = shown.name != sentName || !(window == sent.window);
     if (isNew) {
