@@ -4,6 +4,7 @@
 
 #include <scrim/base/atomic_file.h>
 #include <scrim/base/parallel.h>
+#include <scrim/scene/frame_path.h>
 #include <scrim/shot/shot_frame.h>
 #include <scrim/study/shot_study.h>
 #include <scrim/study/study_data.h>
@@ -165,6 +166,27 @@ nb::tuple codeOf(const ShotObject& object, const std::string& name) {
     return nb::make_tuple(code, values);
 }
 
+/// What a volume is put together from, as the key `grids` says it, with absolute paths.
+nb::dict gridsOf(const ShotObject& object, const std::string& name) {
+    nb::dict out;
+    for (const SceneVolume& volume : object.shot().opened().volumes) {
+        if (volume.name != name || !volume.edit) continue;
+        for (const CombinedGrid& grid : volume.edit->grids) {
+            nb::list parts;
+            for (const CombinedGrid::Part& part : grid.parts) {
+                const FramePath& file = volume.sequences[part.file];
+                parts.append(absolutePattern(file.folder, file.pattern) + (part.grid.empty() ? "" : ":" + part.grid));
+            }
+            constexpr const char* kHow[] = {"", "max", "add", "multiply"};
+            nb::dict combined;
+            combined[kHow[std::size_t(grid.how)]] = parts;
+            const bool copied = grid.how == CombinedGrid::How::copied;
+            out[grid.name.c_str()] = copied ? nb::object(parts[0]) : nb::object(combined);
+        }
+    }
+    return out;
+}
+
 void writeStudy(const std::string& folder, const Study& study, const std::string& name, const Shot& shot) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
@@ -324,7 +346,7 @@ one thing at a time; different shots are independent.)");
                 return nb::module_::import_("scrim._volumes").attr("Volumes")(self, names);
             },
             nb::sig("def volumes(self) -> scrim._volumes.Volumes"),
-            "Names of its volumes; `volumes['smoke']` is one of them, whose `ax` and `parameters` can be set.")
+            "Names of its volumes; `volumes['smoke']` is one of them, whose `ax`, `parameters` and `grids` can be set.")
         .def(
             "set", &set, nb::arg("overrides"),
             nb::sig("def set(self, overrides: collections.abc.Mapping[str, object] | collections.abc.Sequence[str]) -> "
@@ -332,6 +354,7 @@ one thing at a time; different shots are independent.)");
             "Overrides more values, as those of `open`, in all frames from now on. Raises InputError where the scene "
             "would be wrong then; it stays as it was.")
         .def("_code", &codeOf, nb::arg("name"))
+        .def("_grids_of", &gridsOf, nb::arg("name"))
         .def("toml", &tomlOf, nb::arg("overrides") = nb::none(),
              nb::sig("def toml(self, overrides: collections.abc.Mapping[str, object] | collections.abc.Sequence[str] | "
                      "None = "

@@ -209,6 +209,9 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     command.option_defaults()->group(group);
     addFile(command, "-o,--output", "FILE.exr", "picture to write: plume.####.exr", o.output);
     addFile(command, "--deep", "FILE.exr", "deep picture to write, in place of the scene's", o.deep);
+    command.add_option("--file", o.files, "further file to write, in place of the scene's; once for each, in order")
+        ->type_name("FILE.exr")
+        ->allow_extra_args(false);
     addFile(command, "--preview", "FILE.png", "also write a picture for viewing", o.preview);
     command.add_option("--view", o.view, "view of the OpenColorIO config for previews")->type_name("NAME");
     command.add_flag("--annotate", o.annotate, "previews with a scale bar and the directions of x, y and z");

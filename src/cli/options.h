@@ -26,9 +26,10 @@ struct UsdOptions {
 
 struct SceneOptions {
     std::vector<std::string> inputs;
-    std::string output;       ///< "": the scene's output
-    std::string deep;         ///< "": the scene's deep picture
-    std::vector<int> frames;  ///< empty: not given
+    std::string output;              ///< "": the scene's output
+    std::string deep;                ///< "": the scene's deep picture
+    std::vector<std::string> files;  ///< names of all further files; empty: the scene's
+    std::vector<int> frames;         ///< empty: not given
     std::optional<Int2> resolution;
     std::optional<PixelWindow> crop;
     std::string quality;

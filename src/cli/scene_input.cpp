@@ -122,10 +122,27 @@ void SceneInput::change(Scene& scene) const {
     const int frame = static_cast<int>(scene.frame);
     if (!m_options.output.empty()) output.path = pathFrom("--output", m_options.output);
     if (!m_options.deep.empty()) output.deep.path = pathFrom("--deep", m_options.deep);
+    nameFiles(output.files);
     if (!m_options.view.empty()) output.preview.view = m_options.view;
     if (m_options.annotate) output.preview.annotate = true;
     if (!m_options.preview.empty()) output.preview.path = pathFrom("--preview", m_options.preview);
     nameOutputs(output, frame);
+}
+
+/// Names further files as the command line does.
+void SceneInput::nameFiles(std::vector<OutputFile>& files) const {
+    const std::vector<std::string>& names = m_options.files;
+    if (names.empty()) return;
+    if (names.size() != files.size())
+        throw Error(ErrorKind::usage,
+                    fmt::format("--file: expected one name for each further file of {}, {} in all; found {}", name(),
+                                files.size(), names.size()));
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (lowerExtension(names[i]) != ".exr")
+            throw Error(ErrorKind::usage, fmt::format("--file: '{}' does not end in '.exr'", shortened(names[i])));
+        files[i].path = pathFrom("--file", names[i]);
+        files[i].where = "--file";
+    }
 }
 
 void SceneInput::checkPreview(const ScenePreview& preview) const {

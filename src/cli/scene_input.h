@@ -52,6 +52,7 @@ class SceneInput {
 
   private:
     void begin();
+    void nameFiles(std::vector<OutputFile>& files) const;
     void checkPreview(const ScenePreview& preview) const;
     std::vector<int> framesOf(const Scene& scene) const;
 

@@ -117,8 +117,21 @@ class Job:
         """The pictures that a render task makes of a frame: those of `outputs`, or tiles of them."""
         if tile < 0:
             return self.outputs(frame)
-        names = ["flat.######.exr"] + (["deep.######.exr"] if self["deep"] else [])
-        return [at_frame(self.tile_pattern(tile, name), frame) for name in names]
+        deep = [self.tile_pattern(tile, "deep.######.exr")] if self["deep"] else []
+        patterns = [self.tile_pattern(tile, "flat.######.exr"), *deep, *self.file_patterns(tile)]
+        return [at_frame(pattern, frame) for pattern in patterns]
+
+    def file_patterns(self, tile):
+        """Those of the further files of a tile."""
+        return [self.tile_pattern(tile, f"file{place}.######.exr") for place in range(2, len(self.files) + 2)]
+
+    def lossy(self):
+        """The lossy compressions that merges apply, by the place in `outputs`, with the keys of the scene that set
+        them: what a tile loses by compression the whole would lose again."""
+        found = {0: ("output.compression", self["merge_compression"])}
+        for place, compression in enumerate(self.data.get("file_compressions", [])):
+            found[len(self.outputs(0)) - len(self.files) + place] = (f"output.files[{place}].compression", compression)
+        return {place: pair for place, pair in found.items() if pair[1]}
 
     def tile_pattern(self, tile, name):
         return os.path.join(pattern_of(self.path("tiles", str(tile))), name)

@@ -121,13 +121,24 @@ class Shot:
             out.write(text)
         self.path, self.arguments = path, []
 
+    def _output_tables(self):
+        """That of the picture, and those of the further files."""
+        output = self.scene.get("output", {})
+        first, *others = output if isinstance(output, list) else [output]
+        return [first, *first.get("files", []), *others]
+
     def _outputs_of(self, options):
         """What the command line says of them."""
         given = ["--deep", options.deep] if options.deep else []
         if options.output:
             return [*given, "-o", options.output]
-        has_own = "file" in self.scene.get("output", {})
+        has_own = "file" in self._output_tables()[0]
         return given if has_own else [*given, "-o", pattern_of(stem_of(options.scene)) + ".####.exr"]
+
+    def lossy_compressions(self):
+        """Those of the picture and of each further file; "": it has a lossless one."""
+        stated = [output.get("compression") for output in self._output_tables()]
+        return ["dwaa" if (it or stated[0]) == "dwaa" else "" for it in stated]
 
     def plan(self, *more):
         planned = json.loads(self._ask("plan", "--json", *more))
@@ -150,18 +161,13 @@ def make_job(options):
     check_outputs(shot.outputs, frames)
     output, deep, preview = (shot.outputs.get(key, {"pattern": ""})["pattern"] for key in ("file", "deep", "preview"))
     files = [shot.outputs[key]["pattern"] for key in shot.outputs if key not in ("file", "deep", "preview")]
-    if files and options.tiles != "1x1":
-        raise Failure(f"tiles of further files, such as '{files[0]}', cannot be merged; choose --tiles 1x1, or put all "
-                      "layers into one file")
     memory = parse_size(options.memory) if options.memory else memory_of(crops, shot.plan)
-    compression = shot.scene.get("output", {}).get("compression", "zip")
+    compression, *of_files = shot.lossy_compressions()
     job = {
         "name": os.path.splitext(os.path.basename(folder))[0], "on": options.on,
         "scrim": scrim, "scene": shot.path, "digest": shot.digest(), "arguments": shot.arguments,
         "frames": frames, "chunk": options.chunk, "crops": crops, "output": output, "deep": deep, "preview": preview,
-        "files": files,
-        # What a tile loses by compression the whole would lose again.
-        "merge_compression": compression if compression == "dwaa" else "",
+        "files": files, "merge_compression": compression, "file_compressions": of_files,
         "memory": memory, "most_memory": parse_size(options.most_memory) if options.most_memory else 16 * memory,
         "cpus": options.cpus, "retries": options.retries, "pause": options.pause, "keep_tiles": options.keep_tiles,
         "at_once": options.at_once, "sbatch": options.sbatch, "time": options.time,

@@ -50,22 +50,24 @@ def render_command(job, task, memory, progress):
                 "-o", job.tile_pattern(task.tile, "flat.######.exr")]
     if job["deep"]:
         command += ["--deep", job.tile_pattern(task.tile, "deep.######.exr")]
+    for pattern in job.file_patterns(task.tile):
+        command += ["--file", pattern]
     if job["preview"]:  # the whole gets one later
         command += ["--preview", job.tile_pattern(task.tile, "preview.######.png")]
-    if job["merge_compression"]:
-        command += ["--set", toml_text.assignment("output.compression", "zip")]
+    for key, _ in job.lossy().values():
+        command += ["--set", toml_text.assignment(key, "zip")]
     return command
 
 
 def merge_commands(job, frame):
     """Those that make a frame of its tiles, and its preview."""
-    commands = []
+    commands, lossy = [], job.lossy()
     for place, whole in enumerate(job.outputs(frame)):
         if os.path.isfile(whole):
             continue
         command = [job["scrim"], "merge", "-q", "-o", whole, *(job.parts(frame, tile)[place] for tile in job.tiles())]
-        if job["merge_compression"] and place == 0:
-            command += ["--compression", job["merge_compression"]]
+        if place in lossy:
+            command += ["--compression", lossy[place][1]]
         commands.append(command)
     if job["preview"]:
         commands.append([job["scrim"], "render", job["scene"], *job["arguments"], f"--frames={frame}", "-q",

@@ -58,6 +58,16 @@ class Volume:
     def parameters(self, values: Mapping[str, object]) -> None:
         self._shot.set({f"volume.{self.name}.parameters": dict(values)})
 
+    @property
+    def grids(self) -> dict[str, object]:
+        """What the volume is put together from, by the names of its grids: "FILE:GRID", {"add": ["FILE:GRID", ...]},
+        {"max": [...]} or {"multiply": [...]}, with absolute paths. {} where it has one file, or a source."""
+        return self._shot._grids_of(self.name)
+
+    @grids.setter
+    def grids(self, grids: Mapping[str, object]) -> None:
+        self._shot.set({f"volume.{self.name}.grids": dict(grids)})
+
     def __repr__(self) -> str:
         return f"<volume '{self.name}' of '{self._shot.path}'>"
 

@@ -15,16 +15,16 @@ import unittest
 HERE = os.path.dirname(os.path.realpath(__file__))
 FARM = os.path.join(HERE, "..", "..", "..", "plugins", "farm")
 KIT = os.path.join(HERE, "..", "..", "..", "plugins", "kit")
-sys.path[:0] = [FARM, KIT]
+sys.path[:0] = [FARM, KIT, HERE]
+from job_tasks import SCENE, SCRIM, run_tasks, submit  # noqa: E402
 from scrim_farm import slurm  # noqa: E402
 from scrim_farm.job import Job, Task, crops_of, result_of  # noqa: E402
 from scrim_farm.shot import resolved_sets  # noqa: E402
 from scrim_farm.status import next_tasks  # noqa: E402
+from scrim_farm.task import merge_commands  # noqa: E402
 from scrim_kit import Failure  # noqa: E402
 
-SCRIM = os.environ.get("SCRIM", "scrim")
-
-# Stands for scrim: ends with the next status of the file `statuses`, and writes its picture where that is 0 or 5.
+# Stands for scrim: ends with the next status of the file `statuses`, and writes its pictures where that is 0 or 5.
 FAKE = """#!/usr/bin/python3
 import re, sys
 if sys.argv[1] == "merge" and "--check" in sys.argv: sys.exit(0)
@@ -35,21 +35,11 @@ open(path, "w").write(" ".join(statuses))
 print("scrim: error: reason", status, file=sys.stderr)
 while status == 99: pass
 if status in (0, 5):
-    out = sys.argv[sys.argv.index("-o") + 1]
+    files = [file for word, file in zip(sys.argv, sys.argv[1:]) if word in ("-o", "--file")]
     frames = next((word[9:] for word in sys.argv if word.startswith("--frames=")), "1")
     for frame in frames.split(","):
-        open(re.sub("#+", lambda m: frame.zfill(len(m[0])), out), "w").write("picture")
+        for file in files: open(re.sub("#+", lambda m: frame.zfill(len(m[0])), file), "w").write("picture")
 sys.exit(status)
-"""
-
-
-SCENE = """[camera]
-position = [0, 0, 3]
-target = [0, 0, 0]
-resolution = [32, 24]
-[[volume]]
-source = "noise"
-parameters = { resolution = 16 }
 """
 
 
@@ -264,6 +254,26 @@ class Folder(unittest.TestCase):
         self.assertEqual(self.run_frame(1, 0, kind="merge"), [0])
         self.assertFalse(any(os.path.isfile(path) for tile in (0, 1) for path in job.parts(1, tile)))
 
+    def test_a_merge_makes_each_file_of_its_own_tiles(self):
+        files = [os.path.join(self.folder, "out", f"{name}.####.exr") for name in "yz"]
+        job = self.job(frames=[1], crops=[[0, 0, 4, 9], [4, 0, 9, 9]], files=files, file_compressions=["", "dwaa"])
+        for tile in (0, 1):
+            self.run_frame(1, 0, tile=tile)
+        parts = [job.parts(1, tile) for tile in (0, 1)]
+        self.assertEqual([len(set(of)) for of in parts], [3, 3])
+        os.unlink(parts[1][2])  # a tile without one of its files is not done
+        self.assertEqual(self.next(job)[:2], ({1: 1}, [1]))
+        self.run_frame(1, 0, tile=1)
+        self.assertEqual(self.next(job)[:2], ({}, [1]))
+        commands = merge_commands(job, 1)
+        self.assertEqual([(c[c.index("-o") + 1], c[c.index("-o") + 2 :]) for c in commands],
+                         [(whole, [of[place] for of in parts] + (["--compression", "dwaa"] if place == 2 else []))
+                          for place, whole in enumerate(job.outputs(1))])
+        # The third file fails once: what is there by then is left alone, and tiles stay until all is there.
+        self.assertEqual(self.run_frame(1, 0, 0, 4, kind="merge"), [4, 0, 0])
+        self.assertEqual(self.next(job)[1], [])
+        self.assertFalse(any(map(os.path.isfile, parts[0] + parts[1])))
+
     def test_a_scene_that_changed_is_fatal(self):
         self.job(digest="0")
         self.assertEqual(self.run_frame(1, 0), [3])
@@ -318,8 +328,8 @@ class Command(unittest.TestCase):
                      "--tiles 40x1: a picture of 32 x 24 pixels has no tiles of")
         self.refuses(["a.toml", "--frames", "1", "--tiles", "2x1", "--set", "render.tolerance=0.01", *on], 2,
                      "a tolerance is searched for picture by picture")
-        self.refuses(["a.toml", "--frames", "1", "--tiles", "2x1", "--set",
-                      'output.files=[{file="z.####.exr",layers=["depth"]}]', *on], 2, "tiles of further files, such as")
+        self.refuses(["a.toml", "--frames", "1-2", "--tiles", "2x1", "--set",
+                      'output.files=[{file="z.exr",layers=["depth"]}]', *on], 2, "would be written to '")
         self.refuses(["a.toml", "--frames", "1", "--memory", "8 GB", *on], 2,
                      "--memory 8 GB: expected a size such as 8G or 512M")
         self.refuses(["a.toml", "--frames", "1", "--set", 'output.file="${SHOT}.exr"', *on], 3, "SHOT")
@@ -328,28 +338,6 @@ class Command(unittest.TestCase):
 class Submitted(unittest.TestCase):
     """Jobs whose tasks are run one after the other, as Open Job Description would."""
 
-    def submit(self, place, *arguments):
-        done = subprocess.run([os.path.join(FARM, "scrim-submit"), *arguments, "--on", "openjd", "--scrim", SCRIM,
-                               "--cpus", "1"], capture_output=True, text=True, cwd=place, check=False, timeout=60)
-        self.assertEqual(done.returncode, 0, done.stderr)
-
-    def run_tasks(self, folder, frames):
-        """Those of all steps of the template; the last is the check."""
-        with open(os.path.join(folder, "template.json"), encoding="utf-8") as text:
-            template = json.load(text)
-        for step in template["steps"]:
-            space = step.get("parameterSpace", {"taskParameterDefinitions": []})["taskParameterDefinitions"]
-            tiles = next((int(p["range"].split("-")[1]) + 1 for p in space if p["name"] == "Tile"), 1)
-            for tile in range(tiles):
-                words = step["script"]["actions"]["onRun"]["args"][1:]
-                for name, value in (("Param.Folder", folder), ("Task.Param.Frame", frames),
-                                    ("Task.Param.Tile", str(tile))):
-                    words = [word.replace("{{" + name + "}}", value) for word in words]
-                done = subprocess.run([os.path.join(FARM, "scrim-submit"), *words], capture_output=True, text=True,
-                                      cwd=folder, check=False, timeout=60)
-                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        return done.stdout
-
     def test_folders_and_frames_may_have_any_name(self):
         with tempfile.TemporaryDirectory() as folder:
             place = os.path.join(folder, "a##b %04d do$lar")
@@ -357,8 +345,8 @@ class Submitted(unittest.TestCase):
             with open(os.path.join(place, "shot.toml"), "w", encoding="utf-8") as out:
                 out.write(SCENE + '[output]\nfile = "out$$%02d/p.$F4.exr"\ndeep = "deep.####.exr"\n'
                                   'preview = "${NAME}.%03d.png"\n[variables]\nNAME = "small"\n')
-            self.submit(place, "shot.toml", "--frames=-2--1", "--tiles", "2x1", "--chunk", "2", "--quality", "draft")
-            said = self.run_tasks(os.path.join(place, "shot.farm"), "-2--1")
+            submit(place, "shot.toml", "--frames=-2--1", "--tiles", "2x1", "--chunk", "2", "--quality", "draft")
+            said = run_tasks(os.path.join(place, "shot.farm"), "-2--1")
             self.assertIn("2 of 2 frames are complete", said)
             self.assertEqual(os.listdir(folder), ["a##b %04d do$lar"])
             self.assertEqual(sorted(os.listdir(place)), [
@@ -373,10 +361,10 @@ class Submitted(unittest.TestCase):
             for frame in (1, 2):
                 subprocess.run([SCRIM, "make", "noise", "resolution=16", "-q", "-o", f"s#.{frame}.vdb"], check=True,
                                cwd=place, timeout=60)
-            self.submit(place, "s#.1.vdb", "--frames", "1", "--res", "32x24")
-            self.assertIn("1 of 1 frames are complete", self.run_tasks(os.path.join(place, "s#.1.farm"), "1"))
-            self.submit(place, "s$#.#.vdb", "--frames", "1-2", "--chunk", "2", "--res", "32x24")
-            self.assertIn("2 of 2 frames are complete", self.run_tasks(os.path.join(place, "s#.farm"), "1-2"))
+            submit(place, "s#.1.vdb", "--frames", "1", "--res", "32x24")
+            self.assertIn("1 of 1 frames are complete", run_tasks(os.path.join(place, "s#.1.farm"), "1"))
+            submit(place, "s$#.#.vdb", "--frames", "1-2", "--chunk", "2", "--res", "32x24")
+            self.assertIn("2 of 2 frames are complete", run_tasks(os.path.join(place, "s#.farm"), "1-2"))
             self.assertEqual(os.listdir(folder), ["do$lar##"])
             self.assertEqual(sorted(os.listdir(place)), [
                 "s#.0001.exr", "s#.0002.exr", "s#.1.0001.exr", "s#.1.farm", "s#.1.vdb", "s#.2.vdb", "s#.farm"])

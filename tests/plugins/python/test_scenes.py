@@ -198,10 +198,32 @@ def test_a_volume_can_be_put_together_from_files(tmp_path):
     shot = scrim.loads({**BOX, "volume": [volume]})
     assert depth_of(shot) == pytest.approx(0.8, rel=1e-5)
     both = [str(tmp_path / "a.vdb"), str(tmp_path / "b.vdb")]
-    shot.set({"volume.fog.grids": {"density": {"add": both}}})  # takes the place of `file`
-    assert depth_of(shot) == pytest.approx(1.2, rel=1e-5)
+    fog = shot.volumes["fog"]
+    assert fog.grids == {}
+    fog.grids = {"density": {"add": both}}  # takes the place of `file`
+    assert depth_of(shot) == pytest.approx(1.2, rel=1e-5) and fog.grids == {"density": {"add": both}}
     shot.set({"volume.fog.grids.density": {"multiply": both}})
+    assert depth_of(shot) == pytest.approx(0.4, rel=1e-5) and fog.grids == {"density": {"multiply": both}}
+    fog.grids = {"density": both[1] + ":density", "heat": {"max": both}}
     assert depth_of(shot) == pytest.approx(0.4, rel=1e-5)
+    before, text = fog.grids, shot.toml()
+    assert before == {"density": both[1] + ":density", "heat": {"max": both}}
+    with pytest.raises(scrim.InputError, match="^--set volume.fog.grids: 'add' is a list of 1; expected a list"):
+        fog.grids = {"density": {"add": both[:1]}}
+    fog.grids = before
+    assert shot.toml() == text
+
+
+def test_the_grids_of_a_volume_have_the_patterns_of_sequences(tmp_path):
+    for frame in 1, 2:
+        make = [PROGRAM, "make", "primitives", "shapes=box size=30,30,16", "voxel=1", "-q", "-o"]
+        subprocess.run([*make, tmp_path / f"a.{frame:04}.vdb"], check=True)
+    (tmp_path / "shot.toml").write_text(
+        "[camera]\nposition = [0, 0, 9]\ntarget = [0, 0, 0]\n[[volume]]\nname = 'fog'\n"
+        "grids = { density = 'a.####.vdb:density' }\n"
+    )
+    fog = scrim.open(tmp_path / "shot.toml").volumes["fog"]
+    assert fog.grids == {"density": f"{tmp_path}/a.####.vdb:density"}
 
 
 def test_what_is_set_badly_is_refused_where_it_is_said_and_changes_nothing():

@@ -173,6 +173,7 @@ def test_value_clips_name_the_files(foggy):
 def test_an_expression_is_set_for_all_frames_of_a_stage(foggy):
     UsdGeom.Xformable(foggy.stage.GetPrimAtPath("/fog")).AddTranslateOp(opSuffix="a").GetAttr().Set((0, 0, 1), 2)
     shot = foggy.open()
+    assert shot.volumes["fog"].grids == {}
     shot.volumes["fog"].ax = "f@density *= $gain;"
     shot.volumes["fog"].parameters = {"gain": 2.0}
     depths = [-math.log(1 - alpha(shot.render(n))[8, 8]) for n in (1, 2)]

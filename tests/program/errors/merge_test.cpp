@@ -118,6 +118,26 @@ TEST_F(Merge, RefusesWhatIsNoPicture) {
                   "--deep: the deep picture 'deep.tif' does not end in '.exr'");
 }
 
+TEST_F(Merge, OfFurtherFilesNeedsTheirNames) {
+    write("scene.toml", kCamera + kVolume + kLight +
+                            "[[output]]\nfile = \"a.exr\"\n[[output]]\nfile = \"z.exr\"\nlayers = [\"depth\"]\n" +
+                            "[[output]]\nfile = \"l.exr\"\nlayers = [\"light\"]\n");
+    runWell({"render", "scene.toml"});
+    for (const std::string i : {"0", "1", "2", "3"})
+        runWell({"render", "scene.toml", "--crop", kCrops[std::size_t(std::stoi(i))], "-o", "a" + i + ".exr", "--file",
+                 "z" + i + ".exr", "--file", "l" + i + ".exr"});
+    for (const std::string name : {"a", "z", "l"}) {
+        runWell(mergeOf({"0.exr", "1.exr", "2.exr", "3.exr"}, "merged.exr", name));
+        EXPECT_EQ(attributes("merged.exr"), attributes(name + ".exr"));
+    }
+    expectFailure({"render", "scene.toml", "--file", "z.exr"}, kUsage,
+                  "--file: expected one name for each further file of scene.toml, 2 in all; found 1");
+    expectFailure({"render", "scene.toml", "--file", "z.exr", "--file", "l.png"}, kUsage,
+                  "--file: 'l.png' does not end in '.exr'");
+    expectFailure({"render", "scene.toml", "--file", "z.exr", "--file", "a.exr"}, kUsage,
+                  "'a.exr' would be written twice, for the picture of scene.toml and for the file of layers at --file");
+}
+
 TEST_F(Merge, SaysWhichPicturesAreNotWhole) {
     const auto tiles = renderTiles();
     EXPECT_EQ(runWell({"merge", "--check", "tile0.exr", "tile1.exr"}).out, "");

@@ -216,16 +216,16 @@ TEST(ShadowLinking, HoldsForVolumesThatAreHeldOut) {
     expectConvergence(scene, 40, 1, 0.01);
 }
 
-// A lamp on cells would ignore the links, and so would its sub-lights if they did not inherit them.
+// As sub-lights, which inherit the links; on cells see linked_cells_test.cpp.
 TEST(ShadowLinking, HoldsForExtendedLights) {
     ViewScene scene = sceneWith("shadow linking");
     scene.lights[0].kind = Light::Area{AreaShape::rectangle, 12, 12};
     scene.lights[0].wsPosition = -60.0 * scene.lights[0].wsDirection;
     scene.lights[0].intensity *= 25.0;
     scene.lights[0].samples = 16;
+    scene.lights[0].shadow = ShadowMethod::buffers;
     scene.dials.texel = scene.dials.sheetThickness = 0.7;
     expectConvergence(scene, 12, 1, 0.01);
-    EXPECT_EQ(makePlan(scene, 2).cellLights.unfit, "volume 'volume' casts shadows in some lights only");
 }
 
 }  // namespace

@@ -79,6 +79,9 @@ class Shot:
     def _code(self, name: str) -> tuple[str, dict]:
         return self._now()._code(name)
 
+    def _grids_of(self, name: str) -> dict[str, object]:
+        return self._now()._grids_of(name)
+
     def _now(self) -> _scrim.Shot:
         """The shot of the frame that was read last, else of the first."""
         return self.opened(self.frames[0] if self._read is None else self._read[0])

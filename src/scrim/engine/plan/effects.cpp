@@ -173,7 +173,7 @@ Effect lightsOnCells(const ViewScene& scene, const Plan& plan) {
     Effect effect = found.effect("lights on cells", "", "shadow buffers serve every light");
     if (lamps > 0 && lampsShareCells(scene))
         effect.reason += fmt::format("; {} lamps share cells, and have their own only near them", lamps);
-    if (effect.on) effect.reason += fmt::format("; about {}", bytesText(plan.cellLights.bytes));
+    if (effect.on) effect.reason += setsText(scene, plan.cellLights) + "; about " + bytesText(plan.cellLights.bytes);
     return effect;
 }
 

@@ -304,6 +304,16 @@ std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
                                                 (4 + 3 * layerCount(scene)) * sizeof(float);
 }
 
+// Shadow buffers need no channels for lights on cells, whichever volumes cast shadows in them.
+ExtinctionChannels channelsOf(ViewScene scene, const CellLightPlan& cells) {
+    for (ViewVolume& volume : scene.volumes) {
+        for (std::size_t i = 0; i < volume.shadows.size(); ++i)
+            if (cells.has(i)) volume.shadows[i] = true;
+        if (std::count(volume.shadows.begin(), volume.shadows.end(), false) == 0) volume.shadows.clear();
+    }
+    return extinctionChannels(scene);
+}
+
 void checkSlides(const ViewScene& scene) {
     for (const Light& light : scene.lights) {
         std::string what = light.slide && !light.slide->image ? fmt::format("slide '{}'", light.slide->file) : "";
@@ -325,11 +335,13 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     plan.voxel = voxelUnit(given);
     plan.region = supersampled(given.region, given.dials.antialias);
     plan.perView = given.dials.splat == SplatMode::perView;
-    plan.extinction = extinctionChannels(given);
     const std::vector<Vec3> corners = wsCorners(given);
+    if (!corners.empty()) {
+        checkSlides(given);
+        plan.cellLights = planCellLights(given);
+    }
+    plan.extinction = channelsOf(given, plan.cellLights);
     if (corners.empty()) return plan;
-    checkSlides(given);
-    plan.cellLights = planCellLights(given);
     plan.subLights = subLights(given, plan.cellLights.lights);
     plan.transport = planTransport(given);
     for (std::size_t i = 0; i < given.lights.size(); ++i)

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -100,7 +101,6 @@ std::string unfitForCells(const ViewScene& scene) {
             return fmt::format("the surfaces of volume '{}' need the direction of all light", volume.name);
         if (volume.medium.scattering == Scattering::octaves && volume.medium.octaves.count > 1)
             return fmt::format("volume '{}' scatters in octaves", volume.name);
-        if (!volume.shadows.empty()) return fmt::format("volume '{}' casts shadows in some lights only", volume.name);
     }
     return {};
 }
@@ -114,6 +114,18 @@ std::vector<bool> lightsInView(const ViewScene& scene) {
     for (std::size_t i = 0; i < reasons.size(); ++i)
         if (reasons[i].empty()) seen[std::size_t(all.ownerOf(static_cast<int>(i)))] = true;
     return seen;
+}
+
+// The number of sets of volumes that cast shadows in these lights; with `media`, of those that cells need media for:
+// all volumes, and each set that holds light back.
+std::size_t castingSets(const ViewScene& scene, const std::vector<int>& lights, bool media) {
+    std::set<std::vector<bool>> sets;
+    for (const int i : lights)
+        if (!media || isHeldBack(scene, std::size_t(i))) sets.insert(castersIn(scene, std::size_t(i)));
+    std::vector<bool> all;
+    for (const ViewVolume& volume : scene.volumes) all.push_back(!volume.field->empty());
+    if (media) sets.insert(all);
+    return sets.size();
 }
 
 constexpr double kDepth = 0.3;        // optical depth of a cell that is as good as a thin one
@@ -138,7 +150,8 @@ int leastForCells(const ViewScene& scene, const Light& light, const std::vector<
 }
 
 // Whether a light is better kept on cells, or is told to be.
-bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
+bool fitsCells(const ViewScene& scene, std::size_t i, const std::vector<Vec3>& wsCorners) {
+    const Light& light = scene.lights[i];
     if (black(light.intensity) || light.shadow == ShadowMethod::buffers) return false;
     if (!light.shadows && !isLampOnCells(scene, light)) return false;
     if (light.dome() && skiesFromBorder(scene)) return false;
@@ -220,7 +233,7 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
-        if (!fitsCells(scene, light, corners)) continue;
+        if (!fitsCells(scene, i, corners)) continue;
         if (inView.empty()) inView = lightsInView(scene);
         if (!inView[i]) continue;
         plan.lights.push_back(static_cast<int>(i));
@@ -231,32 +244,40 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     if (plan.lights.empty()) return plan;
     const Vec3 cells = box.size() / least + 2.0 * kCellEdge;
     const double colours = oneColour(scene) ? 1 : 3;
-    // Lights share fields unless layers or solids part them; lamps also have fields of their own, and where solids
-    // block them another one.
+    // Lights share fields unless layers, or the volumes that cast shadows in them, part them; lamps also have fields of
+    // their own, and where solids block them another one.
     const double stored = 2 * occupied(scene, 0.5 * least) / (least * least * least);
     double lamps = 0, near = 0;
+    std::vector<int> apart;
     for (const int i : plan.lights) {
         const Light& light = scene.lights[std::size_t(i)];
-        if (!isLampOnCells(scene, light)) continue;
+        if (!isLampOnCells(scene, light)) {
+            apart.push_back(i);
+            continue;
+        }
         ++lamps;
         near += std::min(std::pow(2 * nearestFar(light, least) / least + kCellEdge, 3), stored);
     }
-    const double others = double(plan.lights.size()) - lamps;
+    const double others = wants(scene, Layer::light) ? double(apart.size()) : double(castingSets(scene, apart, false));
+    const double media = double(castingSets(scene, plan.lights, true));
     const bool shared = lampsShareCells(scene);
     const double blocked = solidsBlock(scene) ? lamps : 0;
-    const double fields = 2 * (colours * ((shared ? std::min(lamps, 1.0) : lamps) +
-                                          (wants(scene, Layer::light) ? others : std::min(others, 1.0))) +
-                               blocked);
+    const double fields = 2 * (colours * ((shared ? std::min(lamps, 1.0) : lamps) + others) + blocked);
     // Slices keep the used part of each row of the box, and where it begins.
     const double rows = std::max({cells.x * cells.y, cells.y * cells.z, cells.z * cells.x}), kept = 20 * rows;
     const double slices = std::min(cells.x * cells.y * cells.z, stored) * (1 + colours) + kept;
-    const double bytes = sizeof(Real) * (slices + stored * (fields + 1) + (shared ? 2 * colours * near : 0));
+    const double bytes = sizeof(Real) * (slices + stored * (fields + media) + (shared ? 2 * colours * near : 0));
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
     constexpr double kMostBytes = 4e9;
     if (bytes <= (scene.memoryLimit > 0 ? 0.5 * double(scene.memoryLimit) : kMostBytes)) return plan;
     CellLightPlan none;
     none.unfit = fmt::format("the cells of all volumes would take {}", bytesText(plan.bytes));
     return none;
+}
+
+std::string setsText(const ViewScene& scene, const CellLightPlan& cells) {
+    const std::size_t sets = castingSets(scene, cells.lights, true);
+    return sets < 2 ? "" : fmt::format("; {} sets of media, since some volumes cast shadows in some lights only", sets);
 }
 
 std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan) {

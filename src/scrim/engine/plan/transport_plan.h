@@ -17,6 +17,9 @@ void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, std::
 /// Chooses the lights that are kept on cells, and the cells.
 CellLightPlan planCellLights(const ViewScene& scene);
 
+/// "; 2 sets of media ..." where some volumes do not cast shadows in all lights on cells; otherwise empty.
+std::string setsText(const ViewScene& scene, const CellLightPlan& cells);
+
 /// "'sky': 43 % of its light comes from spots ..." for each sky whose light the plan's directions blur, separated by ",
 /// "; empty if there is none.
 std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan);

@@ -151,11 +151,12 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
                             sheets.thickness / sheets.texel,
                             m_group.sameSide ? -1.0 : 1.0};
     // Most samples of a tile at the border of a volume lie beside it.
-    Row medium = rows.total[0];  // mean extinction
-    const int channels = m_plan.extinction.count();
-    for (int c = 1; c < channels; ++c)
-        for (int k = 0; k < kTileSize; ++k) medium.values[k] += rows.total[std::size_t(c)].values[k];
-    for (Real& extinction : medium.values) extinction /= static_cast<Real>(channels);
+    Row medium{};  // mean extinction
+    for (int c = 0; c < m_plan.extinction.count(); ++c) {
+        const Rgb& tint = m_plan.extinction.tints[std::size_t(c)];
+        const auto part = static_cast<Real>((tint.x + tint.y + tint.z) / 3);
+        for (int k = 0; k < kTileSize; ++k) medium.values[k] += part * rows.total[std::size_t(c)].values[k];
+    }
     for (std::size_t i = 0; i < m_scatteredParts.size(); ++i) {
         SheetScattered& part = rows.scattered.emplace_back(m_scatteredParts[i]);
         Row* const own = rows.onCells.data() + 3 * i;

@@ -56,8 +56,9 @@ std::shared_ptr<const CellGrid> cellsNear(const Light& lamp, const CellGrid& all
     return std::make_shared<const CellGrid>(all.edge(), boxes, wsCorner);
 }
 
-void CellField::setLamp(const Light& lamp, const Phase& phase, const Camera& camera, bool nearby) {
+void CellField::setLamp(const Light& lamp, const Phase& phase, const Camera& camera, bool attenuated, bool nearby) {
     m_lamp = lamp;
+    m_attenuated = attenuated;
     if (lamp.luminaire) m_lampFrame = lightFrame(lamp);
     m_phase = phase;
     m_camera = camera;
@@ -93,7 +94,7 @@ void CellField::makeMean(const CellMedia& media, std::shared_ptr<const CellField
             values[c] = static_cast<Real>((radius > 0 ? depth + shellOverDisk(radius / way * depth) : depth) / way);
         }
     });
-    if (!m_lamp->shadows) return;
+    if (!m_attenuated) return;
     sharpenMeans(*this, [&](const Int3& cell) { return wayTo(cell); });
     if (m_hollow)
         forCells([&](const Int3& cell, Real* values) {

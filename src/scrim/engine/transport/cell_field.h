@@ -50,8 +50,9 @@ class CellField {
     void lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3]) const;
 
     /// What is kept is transmittance from `lamp`, a point light or a sphere; the phase function is towards the camera.
-    /// `nearby`: only near the lamp, because cells that many lamps share keep the light of places far from it.
-    void setLamp(const Light& lamp, const Phase& phase, const Camera& camera, bool nearby);
+    /// `attenuated`: volumes hold its light back. `nearby`: only near the lamp, because cells that many lamps share
+    /// keep the light of places far from it.
+    void setLamp(const Light& lamp, const Phase& phase, const Camera& camera, bool attenuated, bool nearby);
     const Light& lamp() const { return *m_lamp; }  ///< after setLamp
     /// Makes it the mean extinction on the way from the lamp, which, unlike irradiance, transmittance and direction,
     /// changes slowly near a lamp. Look-ups compute the others from it, and the mean of 1/r^2 over the eye's path
@@ -91,6 +92,7 @@ class CellField {
     std::optional<Light> m_lamp;
     Mat3 m_lampFrame{1.0};  // of its luminaire
     std::shared_ptr<const CellField> m_open;
+    bool m_attenuated = true;
     double m_near = 0;      // of a lamp that shares cells: how far those of its own reach, world units; 0: it is alone
     bool m_hollow = false;  // the lamp is a sphere whose light begins at its surface
     Phase m_phase;          // towards the camera, of a lamp's light

@@ -245,7 +245,7 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin) {
 }
 
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
-                    const Vec3& wsCorner, double margin, bool walls) {
+                    const Vec3& wsCorner, double margin, bool walls, const std::vector<bool>& dense) {
     CellMedia media;
     std::vector<Bounds> boxes = cellBoxes(scene, std::max(edge, margin));
     walls = walls && !boxes.empty() && solidsBlock(scene);
@@ -265,6 +265,7 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
     media.extinction = rows(greyExtinction(scene));
     for (std::size_t k = 0; k < classes.size(); ++k) media.scattering.push_back(rows(greyScattering(scene)));
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        if (!dense.empty() && !dense[v]) continue;
         std::vector<std::vector<Real>>* scattering = nullptr;
         for (std::size_t k = 0; k < classes.size(); ++k)
             if (std::count(classes[k].volumes.begin(), classes[k].volumes.end(), static_cast<int>(v)))

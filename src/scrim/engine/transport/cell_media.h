@@ -8,6 +8,7 @@
 #include <scrim/engine/transport/ordinates.h>
 #include <scrim/scene/view_scene.h>
 
+#include <algorithm>
 #include <functional>
 #include <vector>
 
@@ -63,6 +64,28 @@ struct CellMedia {
     std::size_t bytes() const;
 };
 
+/// For each volume of the scene, whether it holds back the light of light `light`.
+inline std::vector<bool> castersIn(const ViewScene& scene, std::size_t light) {
+    std::vector<bool> casters;
+    for (const ViewVolume& volume : scene.volumes)
+        casters.push_back(scene.lights[light].shadows && !volume.field->empty() && litBy(volume.shadows, light));
+    return casters;
+}
+inline bool isHeldBack(const ViewScene& scene, std::size_t light) {
+    const std::vector<bool> casters = castersIn(scene, light);
+    return std::find(casters.begin(), casters.end(), true) != casters.end();
+}
+
+/// The corner at which cells begin. It is a corner of a voxel, so that cells of one voxel are the voxels, and their
+/// centres are where the field's values are. If cells are smaller, one in each voxel has its centre there, so that what
+/// is interpolated between cells has the field's own kinks.
+inline Vec3 cornerOfVoxels(const ViewScene& scene, double edge) {
+    for (const ViewVolume& volume : scene.volumes)
+        if (!volume.field->empty())
+            return transformPoint(volume.wsFromIs, Vec3(0)) - 0.5 * std::min(edge, voxelUnit(scene));
+    return Vec3(0);
+}
+
 /// The boxes that cells must cover: around each block of voxels of `scene`, with a margin of `margin` world units.
 std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin);
 
@@ -71,9 +94,11 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin);
 /// smaller than voxels that reach as far as kernels do, it counts as a tent, for means of the interpolated field.
 /// Throws Error(memory) as CellGrid does. A cell has a corner at `wsCorner`. Cells reach `margin` world units beyond
 /// the blocks of voxels, and at least one edge. With `walls`, solids that stop light stand in the grid, whose cells
-/// then also reach those that send light back, up to half of the volumes' size beyond these.
+/// then also reach those that send light back, up to half of the volumes' size beyond these. `dense`: as castersIn has
+/// them, the only volumes that are not left out; empty: all. The grid is the same.
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
-                    const Vec3& wsCorner = Vec3(0), double margin = 0, bool walls = false);
+                    const Vec3& wsCorner = Vec3(0), double margin = 0, bool walls = false,
+                    const std::vector<bool>& dense = {});
 
 /// The media in cells twice as large: means over 2^3 cells each.
 CellMedia coarser(const CellMedia& fine);

@@ -104,6 +104,10 @@ void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach) {
     });
     findWanted(reach);
     keepRows();
+    refill(perWorldUnit);
+}
+
+void CellSlices::refill(const std::vector<Real>& perWorldUnit) {
     const auto edge = static_cast<Real>(m_grid.edge());
     visitRows([&](std::size_t row, int i, std::size_t cell, std::size_t step) {
         const CellSpan& span = full[row];

@@ -66,6 +66,8 @@ class CellSlices {
 
     /// Takes the grid's extinction, per world unit. Light is wanted up to `reach` cells from where there is any.
     void fill(const std::vector<Real>& perWorldUnit, int reach);
+    /// Takes another extinction, which is 0 where that of `fill` was. Light is wanted where it was.
+    void refill(const std::vector<Real>& perWorldUnit);
     /// Takes out the extinction within a sphere, so that rays from within begin at its surface. Returns what `restore`
     /// needs to undo it.
     std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius);

@@ -110,7 +110,6 @@ Sources sourcesOfLamp(const Light& light, int count) {
     const std::vector<Vec3> points = pointsOfLamp(light, count);
     Sources lamp;
     lamp.lamp = true;
-    lamp.attenuated = light.shadows;
     lamp.lights.assign(points.size(), light);
     lamp.owners.assign(points.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -122,12 +121,14 @@ Sources sourcesOfLamp(const Light& light, int count) {
 }
 
 Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
+    Sources out;
     if (const Light& first = scene.lights[std::size_t(lights.front())]; isLampOnCells(scene, first))
-        return sourcesOfLamp(first, pointsOnCells(scene, first));
+        out = sourcesOfLamp(first, pointsOnCells(scene, first));
+    out.attenuated = isHeldBack(scene, std::size_t(lights.front()));
+    if (out.lamp) return out;
     ViewScene alone = scene;
     alone.lights.clear();
     for (const int i : lights) alone.lights.push_back(scene.lights[std::size_t(i)]);
-    Sources out;
     out.blocked = solidsBlock(scene);
     for (Light& light : alone.lights) light.samples = pointsOnCells(scene, light);
     const SubLights parts = subLights(alone);
@@ -242,37 +243,30 @@ class Pass {
     const std::function<void()>& m_checkpoint;
 };
 
-// The corner at which cells begin. It is a corner of a voxel, so that cells of one voxel are the voxels, and their
-// centres are where the field's values are. If cells are smaller, one in each voxel has its centre there, so that what
-// is interpolated between cells has the field's own kinks.
-Vec3 cornerOfVoxels(const ViewScene& scene, double edge) {
-    for (const ViewVolume& volume : scene.volumes)
-        if (!volume.field->empty())
-            return transformPoint(volume.wsFromIs, Vec3(0)) - 0.5 * std::min(edge, voxelUnit(scene));
-    return Vec3(0);
-}
-
 // What one class of volumes shows of some lights: a field, and the passes that fill it.
 struct Job {
+    int first;  // index of the first light; the same volumes hold back all
     Sources sources;
     Phase phase;
     std::shared_ptr<CellField> field;
     const Light* lamp;                          // the only light, if it is a lamp
     std::shared_ptr<CellField> far = nullptr;   // of a lamp: what it shares with others; null: it is alone
     std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
+    std::size_t media = 0;                      // index of what holds the light back (addMedia)
 };
 
-// Lights share a field unless layers tell them apart. Lamps share one with each other, and have small ones of their
-// own.
+// Lights share a field unless layers, or the volumes that cast shadows in them, tell them apart. Lamps share one with
+// each other, and have small ones of their own.
 std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector<int>& lights) {
     std::vector<int> lamps, others;
     for (const int light : lights)
         (isLampOnCells(scene, scene.lights[std::size_t(light)]) ? lamps : others).push_back(light);
     std::vector<std::vector<int>> groups;
-    std::map<int, std::vector<int>> byLayer;
+    std::map<std::pair<int, std::vector<bool>>, std::vector<int>> alike;
     for (const int light : others)
-        byLayer[wants(scene, Layer::light) ? lightOfLayer(scene, light) : 0].push_back(light);
-    for (const auto& [layer, some] : byLayer) groups.push_back(some);
+        alike[{wants(scene, Layer::light) ? lightOfLayer(scene, light) : 0, castersIn(scene, std::size_t(light))}]
+            .push_back(light);
+    for (const auto& [key, some] : alike) groups.push_back(some);
     const bool together = lampsShareCells(scene);
     if (together && !lamps.empty()) groups.push_back(lamps);
     for (std::size_t i = 0; !together && i < lamps.size(); ++i) groups.push_back({lamps[i]});
@@ -290,9 +284,9 @@ std::shared_ptr<CellField> addLamps(const ViewScene& scene, const std::vector<in
         const Light& lamp = scene.lights[std::size_t(i)];
         const auto near =
             std::make_shared<CellField>(cellsNear(lamp, *grid, cornerOfVoxels(scene, grid->edge())), grey ? 1 : 3);
-        near->setLamp(lamp, phase, scene.camera, true);
+        near->setLamp(lamp, phase, scene.camera, isHeldBack(scene, std::size_t(i)), true);
         far->addNear(near);
-        jobs.push_back({sourcesOf(scene, {i}), phase, near, &lamp, far});
+        jobs.push_back({i, sourcesOf(scene, {i}), phase, near, &lamp, far});
     }
     return far;
 }
@@ -322,12 +316,27 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
             if (!grey) sources.colours = 3;
             if (sources.colours == 3) sources.tint = Rgb(1);
             field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
-            if (lamps) field->setLamp(first, phase, scene.camera, false);
-            jobs.push_back({std::move(sources), phase, field, lamps ? &first : nullptr});
+            if (lamps) field->setLamp(first, phase, scene.camera, sources.attenuated, false);
+            jobs.push_back({lit.front(), std::move(sources), phase, field, lamps ? &first : nullptr});
         }
         for (const int v : volumes) light.ofVolume[std::size_t(v)] = field;
     }
     return jobs;
+}
+
+// Adds to `media`, which holds those of all volumes, those of the volumes alone that hold back the light of a job.
+void addMedia(const ViewScene& scene, const Vec3& wsCorner, double margin, Simd simd, std::vector<Job>& jobs,
+              std::vector<CellMedia>& media) {
+    std::vector<std::vector<bool>> sets(1);
+    for (const ViewVolume& volume : scene.volumes) sets[0].push_back(!volume.field->empty());
+    for (Job& job : jobs) {
+        if (!job.sources.attenuated) continue;
+        const std::vector<bool> casters = castersIn(scene, std::size_t(job.first));
+        job.media = std::size_t(std::find(sets.begin(), sets.end(), casters) - sets.begin());
+        if (job.media < sets.size()) continue;
+        sets.push_back(casters);
+        media.push_back(cellMedia(scene, {}, media[0].grid.edge(), simd, wsCorner, margin, false, casters));
+    }
 }
 
 }  // namespace
@@ -336,10 +345,12 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
                                     const std::function<void()>& checkpoint, std::size_t& bytes) {
     // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them.
     const double margin = (kernelRadius(scene) + 0.75 * scene.dials.sheetThickness) * voxelUnit(scene);
-    const CellMedia media = cellMedia(scene, {}, edge, simd, cornerOfVoxels(scene, edge), margin);
+    const Vec3 wsCorner = cornerOfVoxels(scene, edge);
+    std::vector<CellMedia> media{cellMedia(scene, {}, edge, simd, wsCorner, margin)};
     const int reach = 1 + static_cast<int>(std::ceil(margin / edge));
-    const auto grid = std::make_shared<const CellGrid>(media.grid);
-    const bool grey = media.extinction.size() == 1;
+    const auto grid = std::make_shared<const CellGrid>(media.front().grid);
+    const std::size_t rows = media.front().extinction.size();
+    const bool grey = rows == 1;
     std::vector<Job> jobs;
     std::vector<CellLight> all;
     for (const std::vector<int>& group : groupsOf(scene, lights))
@@ -350,16 +361,19 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             if (job.open) bytes += job.open->bytes();
             jobs.push_back(std::move(job));
         }
+    addMedia(scene, wsCorner, margin, simd, jobs, media);
     std::size_t most = 0;
     const Pass pass(scene, *grid, simd, checkpoint);
     CellSlices slices(*grid);
     for (int axis = 0; axis < 3; ++axis) {
         slices.layAlong(axis);
-        for (std::size_t c = 0; c < media.extinction.size(); ++c) {
-            slices.fill(media.extinction[c], reach);
+        for (std::size_t i = 0; i < rows * media.size(); ++i) {
+            const std::size_t c = i / media.size(), m = i % media.size();
+            m == 0 ? slices.fill(media[m].extinction[c], reach) : slices.refill(media[m].extinction[c]);
             for (const Job& job : jobs)
-                pass.add(job.sources, job.lamp ? Phase() : job.phase, job.lamp, grey ? -1 : static_cast<int>(c), slices,
-                         *job.field, job.far.get());
+                if (job.media == m)
+                    pass.add(job.sources, job.lamp ? Phase() : job.phase, job.lamp, grey ? -1 : static_cast<int>(c),
+                             slices, *job.field, job.far.get());
         }
         for (const Job& job : jobs) {
             if (!job.open) continue;
@@ -372,8 +386,9 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
         most = std::max(most, slices.bytes());
     }
     for (const Job& job : jobs)
-        if (job.lamp) job.field->makeMean(media, job.open);
-    bytes += most + media.bytes();
+        if (job.lamp) job.field->makeMean(media[job.media], job.open);
+    for (const CellMedia& one : media) bytes += one.bytes();
+    bytes += most;
     return all;
 }
 
