@@ -147,6 +147,23 @@ def test_the_viewer_ends_with_the_picture_in_linear_rec709(render, tmp_path):
         numpy.testing.assert_allclose(states[-1], picture, rtol=1e-5, atol=1e-6)
 
 
+def test_a_config_without_linear_rec709_is_shown_in_its_working_space(render, tmp_path):
+    (tmp_path / "old.ocio").write_text(
+        "ocio_profile_version: 1\n"
+        "roles: {scene_linear: ours, default: ours}\n"
+        "displays: {monitor: [!<View> {name: plain, colorspace: ours}]}\n"
+        "colorspaces: [!<ColorSpace> {name: ours}]\n"
+    )
+    viewer = Viewer()
+    spaces = ["--ocio", "old.ocio", "--set", "output.colorspace=ours"]
+    result = render("--res", "96x64", *spaces, "--display-server", viewer.address)
+    viewer.close()
+    assert result.returncode == 0, result.stderr
+    assert "stopped showing" not in result.stderr
+    (states,) = pictures_of(viewer).values()
+    numpy.testing.assert_allclose(states[-1], read_exr(tmp_path / "smoke.exr"), rtol=1e-5, atol=1e-6)
+
+
 def test_the_picture_is_shown_while_it_grows(render):
     viewer = Viewer()
     result = render(
