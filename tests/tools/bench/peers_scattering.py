@@ -3,7 +3,7 @@
 """Light that scatters any number of times: Scrim's `full` beside path tracers with many bounces.
 
     tests/tools/bench/peers_scattering.py [--res N] [--samples N]... [--reference N] [--g G] [--albedo A] [--sky S]
-                                          [--bounces N] [--frames N] [--csv FILE] [--pictures DIR] [ASSET]
+                                          [--bounces N] [--frames N] [--csv FILE] [--jpg FILE] [ASSET]
 
 The tools and what they need are those of peers.py; the asset is a .vdb or noise:RESOLUTION. It is lit by one sun and an
 even sky of radiance --sky, in a picture of N x N pixels.
@@ -16,6 +16,8 @@ brightness beside that of the truth. Seconds are those of rendering alone, all p
 
 With --frames the sun turns by a degree a frame. Flicker is the RMS of the second difference in time of means over 4 x 4
 pixels, less that of the same frames of Scrim at `high`, over the mean. Path tracers get a new seed for each frame.
+
+--jpg (which needs Pillow) shows Scrim at `standard`, and the path tracers with the fewest samples, side by side.
 """
 import argparse
 import csv
@@ -53,6 +55,14 @@ def error_of(picture, truths):
     spread = 2 * products.std() / math.sqrt(products.size)
     error = math.sqrt(square)
     return error / level, (math.sqrt(square + spread) - error) / level, a.mean() / level - 1
+
+
+def save(pictures, path):
+    """The pictures side by side, as bright as the first one needs, each pixel as four."""
+    from PIL import Image
+    white = np.percentile(pictures[0], 99.9)
+    row = np.concatenate([np.clip(p / white, 0, 1)**(1 / 2.2) for p in pictures], axis=1)
+    Image.fromarray((255 * row.repeat(2, 0).repeat(2, 1)).astype(np.uint8)).save(path, quality=92)
 
 
 class Scene:
@@ -119,12 +129,12 @@ def rows(options, work):
           f"{100 * np.std(blocks(truths[0]) - blocks(truths[1])) / blocks(truths[0]).mean():.2f} % in means")
     suns = [turned(sun, i) for i in range(options.frames)]
     steady = [scene.scrim("high", s)[0] for s in suns] if suns else []
+    shown = []
     for tool, how, render in settings_of(scene, tools):
         renders = [render(sun, seed) for seed in range(3 if tool == "scrim" else 1)]
         picture = renders[-1][0]
-        if options.pictures:
-            options.pictures.mkdir(parents=True, exist_ok=True)
-            peers_exr.write(options.pictures / f"{tool} {how}.exr".replace(" ", "-"), picture)
+        if how == "quality standard" or how.startswith(f"{min(options.samples)} "):
+            shown.append(picture)
         error, uncertain, mean = error_of(picture, truths)
         flicker = ""
         if suns:
@@ -133,6 +143,8 @@ def rows(options, work):
             flicker = f"{math.sqrt(((rest[0] - rest[1])**2).mean()) / blocks(steady[0]).mean():.5f}"
         yield dict(zip(COLUMNS, [tool, how, f"{statistics.median(r[1] for r in renders):.4g}",
                                  f"{renders[0][2]:.0f}", f"{error:.5f}", f"{uncertain:.5f}", f"{mean:.5f}", flicker]))
+    if options.jpg:
+        save(shown, options.jpg)
 
 
 def main():
@@ -148,7 +160,7 @@ def main():
     parser.add_argument("--frames", type=int, default=0)
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--csv", default="peers_scattering.csv")
-    parser.add_argument("--pictures", type=Path)
+    parser.add_argument("--jpg")
     options = parser.parse_args()
     options.samples = options.samples or [64, 256]
     with tempfile.TemporaryDirectory() as work, open(options.csv, "w", newline="") as file:
