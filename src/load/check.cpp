@@ -17,6 +17,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -124,9 +125,18 @@ void checkCode(Check& expect) {
     };
     expect(kRights, "making code", 0, [&] { answerMustBe(makeCode() != MAP_FAILED); });
     expect(kRights, "starting a thread", 0, [] { std::thread([] {}).join(); });
-    const auto openFile = [] { (void)::open("/dev/null", O_RDONLY); };
-    expect(kRights, "opening a file", SIGSYS, openFile);
-    expect.judge("opening a file in a thread from before", SIGSYS, statusOfThread(kRights, openFile));
+    expect(kRights, "freeing a thread's memory", 0, [] {
+        const auto fillAndFree = [] {
+            std::vector<std::unique_ptr<char[]>> pieces;
+            for (int i = 0; i < 1000; ++i) pieces.push_back(std::make_unique<char[]>(std::size_t{1} << 14));
+            while (!pieces.empty()) pieces.pop_back();
+        };
+        std::thread(fillAndFree).join();
+    });
+    expect(kRights, "finding no file", 0, [] { answerMustBe(::open("/dev/null", O_RDONLY) == -1 && errno == ENOENT); });
+    const auto openFile = [] { (void)::open("/dev/null", O_RDWR); };
+    expect(kRights, "writing to a file", SIGSYS, openFile);
+    expect.judge("writing to a file in a thread from before", SIGSYS, statusOfThread(kRights, openFile));
     expect(kRights, "making a socket", SIGSYS, [] { (void)::socket(AF_INET, SOCK_STREAM, 0); });
     expect(kRights, "running a program", SIGSYS, [] { (void)::execl("/bin/true", "true", nullptr); });
     expect(kRights, "making code later", SIGSYS, [&] {

@@ -68,6 +68,9 @@ class Filter {
     void allowWithout(long call, unsigned argument, std::uint32_t forbidden) {
         add(SCMP_ACT_ALLOW, call, hasBits(argument, forbidden, 0));
     }
+    void refuseWithout(long call, unsigned argument, std::uint32_t forbidden, int error) {
+        add(SCMP_ACT_ERRNO(std::uint32_t(error)), call, hasBits(argument, forbidden, 0));
+    }
     void trapWithout(long call, unsigned argument, std::uint32_t forbidden) {
         add(SCMP_ACT_TRAP, call, hasBits(argument, forbidden, 0));
     }
@@ -112,9 +115,10 @@ void allowThreads(Filter& filter) {
     for (const long call : {SYS_sysinfo, SYS_uname, SYS_getrusage}) filter.allow(call);
 }
 
+constexpr std::uint32_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
+
 /// Traps the calls of libraries that open files by name. Opening a file for writing is not included.
 void answerCalls(Filter& filter) {
-    constexpr std::uint32_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
     filter.trapWithout(SYS_openat, 2, kWriting);
 #if defined(SYS_open)
     filter.trapWithout(SYS_open, 1, kWriting);
@@ -145,6 +149,8 @@ int filterCalls(Rights rights) {
     if (rights == Rights::compiling) {
         allowThreads(filter);
         for (const long call : {SYS_mmap, SYS_mprotect}) filter.allow(call);
+        // Where a thread has freed much memory, free() reads how the system counts memory; it can do without.
+        filter.refuseWithout(SYS_openat, 2, kWriting, ENOENT);
         filter.refuse(SYS_newfstatat, EBADF);  // LLVM asks what stderr is
         // forbidCode() adds a filter, which can only take rights away.
         filter.allowWith(SYS_prctl, 0, PR_SET_NO_NEW_PRIVS);

@@ -19,7 +19,9 @@ bool hasFilter();
 enum class Rights {
     reading,  ///< files whose descriptors are open
     names,    ///< also files that libraries ask for by name, as AnsweredCalls answers them (answered_calls.h); threads
-    compiling,  ///< as `reading`; also threads, and memory that holds code, until forbidCode() is called
+    /// As `reading`; also threads, and memory that holds code until forbidCode() is called. Opening a file to read it
+    /// fails.
+    compiling,
 };
 
 /// Confines this process permanently: no core dumps, no capabilities of root and no new privileges, limits of memory

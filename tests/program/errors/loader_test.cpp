@@ -66,7 +66,9 @@ TEST_F(Loader, IsConfined) {
               "making a file: killed\nremoving the file: killed\nmaking a socket: killed\n"
               "running a program: killed\nloading code: killed\n"
               "with expressions to compile\nmaking code: allowed\nstarting a thread: allowed\n"
-              "opening a file: killed\nopening a file in a thread from before: killed\nmaking a socket: killed\n"
+              "freeing a thread's memory: allowed\nfinding no file: allowed\nwriting to a file: killed\nwriting to a "
+              "file in a "
+              "thread from before: killed\nmaking a socket: killed\n"
               "running a program: killed\nmaking code later: killed\nchanging memory into code later: killed\n"
               "limits\nlowering a limit for good: allowed\n"
               "asking for another process's limits: killed\nhanding over no more than it may: allowed\n");
