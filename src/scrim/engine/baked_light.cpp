@@ -291,7 +291,7 @@ void Baking::sweep(const GroupPlan& group, const ProgressSink& progress) {
 void addScattered(const ViewScene& given, bool indirect, const ProgressSink& progress, std::vector<BakedVolume>& out) {
     ViewScene scene = given;
     scene.layers = {Layer::indirect, Layer::ambient};  // keeps apart what has not scattered, and ambient light
-    const TransportPlan plan = planTransport(scene);
+    const TransportPlan plan = planTransport(scene, indirect);
     if (!plan.any()) return;
     Solved solved;
     const auto stop = [&] { report(progress, 1); };

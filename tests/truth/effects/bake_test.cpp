@@ -3,7 +3,9 @@
 #include "scenes.h"
 #include "support/luminaires.h"
 
+#include <scrim/base/error.h>
 #include <scrim/engine/baked_light.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/verify/reference.h>
 
 #include <gtest/gtest.h>
@@ -273,6 +275,23 @@ TEST(BakedLight, IndirectIsOnlyWhereLightScattersMoreThanOnce) {
             ASSERT_GT(mean, 0);
             ASSERT_LE(glm::length(at(baked.flux[std::size_t(c)], voxel)), 1.0001 * mean);
         }
+}
+
+// Cells keep all directions for it, which light that is scattered evenly does not need otherwise.
+TEST(BakedLight, FluxCountsAgainstTheMemoryLimit) {
+    ViewScene scene = plainScene();
+    scene.volumes[0].medium.phase = {};
+    scene.volumes[0].medium.scattering = Scattering::full;
+    const std::size_t bytes = planTransport(scene, true).bytes;
+    EXPECT_GT(bytes, 3 * planTransport(scene).bytes);
+    scene.memoryLimit = bytes - 1;
+    EXPECT_NO_THROW(bakeLight(scene, {true, true}, true, false, 2));
+    try {
+        bakeLight(scene, {true, true}, false, true, 2);
+        ADD_FAILURE() << "no limit";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::memory) << error.what();
+    }
 }
 
 TEST(BakedLight, ThatIsNotWantedIsNotThere) {

@@ -24,8 +24,9 @@ std::string setsText(const ViewScene& scene, const CellLightPlan& cells);
 /// "; empty if there is none.
 std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan);
 
-/// Throws Error(memory) if cells of the dial's size exceed the memory limit, or cannot be numbered.
-TransportPlan planTransport(const ViewScene& scene);
+/// Throws Error(memory) if cells of the dial's size exceed the memory limit, or cannot be numbered. `flux`: for
+/// scatteredMoments with flux, for which cells keep all directions, whatever the phase functions.
+TransportPlan planTransport(const ViewScene& scene, bool flux = false);
 
 /// True if solids send scattered light back into the volumes.
 bool wallsSendBack(const ViewScene& scene);
