@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# The picture while it is rendered. `scrim render --display-server` sends it to a viewer that listens, by the protocol of
-# tev; this is such a viewer, for one program.
+# The picture while it is rendered. `scrim render --display-server` sends it to a viewer that listens, by the protocol
+# of tev; this is such a viewer, for one program.
 import socket
 import struct
 import threading

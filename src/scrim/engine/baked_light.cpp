@@ -295,17 +295,12 @@ void addScattered(const ViewScene& given, bool indirect, const ProgressSink& pro
     if (!plan.any()) return;
     Solved solved;
     const auto stop = [&] { report(progress, 1); };
-    const auto [means, fluxes] = scatteredMoments(scene, plan, indirect, Simd(), stop, solved);
+    const auto [means, flux] = scatteredMoments(scene, plan, indirect, Simd(), stop, solved);
     for (std::size_t v = 0; v < out.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];
         if (!scattersFully(volume)) continue;
         BakedVolume& baked = out[v];
         baked.change = solved.converged ? 0 : solved.change;
-        const std::size_t floats = baked.blockOrigins.size() * kBlockFloats;
-        if (indirect) {
-            baked.indirect.resize(floats);
-            for (auto& flux : baked.flux) flux.resize(floats);
-        }
         parallelFor(baked.blockOrigins.size(), [&](std::size_t b) {
             for (int i = 0; i < kBlockVoxels; ++i) {
                 if (!baked.active[b][std::size_t(i)]) continue;
@@ -323,7 +318,7 @@ void addScattered(const ViewScene& given, bool indirect, const ProgressSink& pro
                     }
                 }
                 for (std::size_t axis = 0; indirect && axis < 3; ++axis) {
-                    fluxes[v][axis]->sample(ws, rgb);
+                    flux[axis]->sample(ws, rgb);
                     for (std::size_t c = 0; c < 3; ++c) baked.flux[c][at + axis * kBlockVoxels] = rgb[c];
                 }
             }
@@ -385,6 +380,9 @@ std::vector<BakedVolume> bakeLight(const ViewScene& given, const std::vector<boo
         for (std::size_t l = 0; l < given.lights.size(); ++l)
             baked.lights.emplace_back(wanted[l] && litBy(volume.lights, l) ? floats : 0);
         if (scattered && !volume.classified) baked.scattered.resize(floats);
+        if (!indirect || !scattersFully(volume)) continue;
+        baked.indirect.resize(floats);
+        for (auto& flux : baked.flux) flux.resize(floats);
     }
     const Plan plan = makePlan(baking, threads, partOf(progress, 0, 0));
     ViewScene plain;

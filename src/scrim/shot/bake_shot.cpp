@@ -45,10 +45,14 @@ bool scattersGrey(const ViewScene& view) {
     return true;
 }
 
+// As scattersFully of a view's volume, which also has voxels.
+bool scattersFully(const SceneVolume& volume) {
+    return volume.medium.scattering == Scattering::full && !volume.holdout && !volume.classified;
+}
+
 // Something scatters more than once, or there is no indirect light to bake.
 void checkIndirect(const Scene& scene) {
-    for (const SceneVolume& volume : scene.volumes)
-        if (!volume.classified && volume.medium.scattering == Scattering::full) return;
+    if (std::ranges::any_of(scene.volumes, [](const SceneVolume& volume) { return scattersFully(volume); })) return;
     throw Error(ErrorKind::input,
                 fmt::format("{}: --indirect: light scatters once in all volumes; expected one with "
                             "scattering = \"full\", for example by --set 'volume.{}.medium.scattering=full'",
@@ -203,7 +207,7 @@ void GridMaker::addVolume(std::size_t volume, const ViewVolume* view, const Bake
         grid.metadata = {{"scrim:light", light.name}, {"scrim:unit", kIrradiance}};
         setColours(grid, baked ? baked->lights[l] : std::vector<float>{}, grey);
     }
-    const bool full = !own.classified && own.medium.scattering == Scattering::full;
+    const bool full = scattersFully(own);
     const bool grey =
         full ? m_scattersGrey
              : greyLights && isGrey(own.medium.albedo) && !own.albedoGrid && isGrey(m_scene.ambient) && !m_coloured;
@@ -262,16 +266,16 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
             const auto shown = std::find_if(view.volumes.begin(), view.volumes.end(),
                                             [&](const ViewVolume& volume) { return volume.name == name; });
             const bool isThere = shown != view.volumes.end() && !shown->field->empty();
+            const BakedVolume* const own = isThere ? &baked[std::size_t(shown - view.volumes.begin())] : nullptr;
             if (!isThere)
                 notify(options.messages, Severity::warning,
                        fmt::format("frame {}: volume '{}' has no density; its grids are empty", frame, name));
-            if (isThere && baked[std::size_t(shown - view.volumes.begin())].change > 0)
+            if (own && own->change > 0)
                 notify(options.messages, Severity::warning,
                        fmt::format("frame {}: volume '{}': scattered light has not converged: a further sweep would "
                                    "change it by {:.2g} %",
-                                   frame, name, 100 * baked[std::size_t(shown - view.volumes.begin())].change));
-            maker.addVolume(v, isThere ? &*shown : nullptr,
-                            isThere ? &baked[std::size_t(shown - view.volumes.begin())] : nullptr, wanted, request);
+                                   frame, name, 100 * own->change));
+            maker.addVolume(v, isThere ? &*shown : nullptr, own, wanted, request);
         }
         out.grids = maker.take();
         for (const VdbGrid& grid : out.grids)

@@ -101,6 +101,16 @@ TEST_F(Bake, WritesWhatHasScatteredBefore) {
         << warm.err;
 }
 
+TEST_F(Bake, WritesNoIndirectLightOfAHoldout) {
+    const std::string full = "[volume.medium]\nscattering = \"full\"\n";
+    write("scene.toml",
+          kCamera + kVolume + "name = \"a\"\n" + full + kVolume + "name = \"b\"\nholdout = true\n" + full + kLight);
+    const ProgramResult result = runWell({"bake", "scene.toml", "-o", "light.vdb", "--indirect"});
+    EXPECT_NE(result.err.find(": 'a.key' (float), 'a.indirect' (float), 'a.indirect_flux' (vec3s), 'b.key' (float); "),
+              std::string::npos)
+        << result.err;
+}
+
 TEST_F(Bake, SaysOfWhichMediaEmissionIsNotAll) {
     write("scene.toml", kCamera + kVolume + "[volume.medium]\nphase = { type = \"hg\", g = 0.5 }\n" + kLight);
     const ProgramResult result = runWell({"bake", "scene.toml", "-o", "light.vdb", "--emission"});

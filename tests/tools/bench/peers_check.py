@@ -36,9 +36,9 @@ SETTINGS = {"mitsuba": [(("llvm_ad_rgb", "volpath"), 64)], "luxcore": [((1,), 32
             "cycles 5": [((0,), 16), ((0,), 64), ((1,), 32)]}
 
 
-def blocks(image):
-    height, width = (n // BLOCK for n in image.shape[:2])
-    return image[:height * BLOCK, :width * BLOCK].reshape(height, BLOCK, width, BLOCK, 3).mean((1, 3, 4)).astype(float)
+def blocks(image, edge=BLOCK):
+    height, width = (n // edge for n in image.shape[:2])
+    return image[:height * edge, :width * edge].reshape(height, edge, width, edge, 3).mean((1, 3, 4)).astype(float)
 
 
 def compare(pictures, truth):

@@ -5,10 +5,10 @@
 
 Prints the seconds that rendering took. If NUMBERS say "twice", a picture of one sample is rendered before, for the
 compiler of variants that compile (llvm_ad_rgb, the default), and not counted: its code serves any number of samples.
-Depth 2 is single scattering; NUMBERS may have "bounces" after it, "g" of the phase
-function, and the radiance of an even "sky". A pixel is the mean of its own samples (a box filter), and in variants that compile they
-all go through its middle, as everybody else's do. Where DrJit finds no LLVM that it can use,
-DRJIT_LIBLLVM_PATH names one: 15 is too old for Mitsuba 3.9.
+Depth 2 is single scattering; NUMBERS may have "bounces" after it, "g" of the phase function, and the radiance of an even
+"sky". A pixel is the mean of its own samples (a box filter), and in variants that compile they all go through its
+middle, as everybody else's do. Where DrJit finds no LLVM that it can use, DRJIT_LIBLLVM_PATH names one: 15 is too old
+for Mitsuba 3.9, that of Debian's libllvm19 serves.
 """
 import json
 import sys
@@ -84,7 +84,8 @@ def scene_of(numbers, integrator):
     sensor = (perspective if "scalar" in mi.variant() else through_middles)(numbers, film)
     return mi.load_dict({
         "type": "scene", "volume": medium(numbers),
-        "integrator": {"type": integrator, "max_depth": 2 + numbers.get("bounces", 0), "rr_depth": 1000, "hide_emitters": True},
+        "integrator": {"type": integrator, "max_depth": 2 + numbers.get("bounces", 0), "rr_depth": 1000,
+                       "hide_emitters": True},
         "sun": {"type": "directional", "direction": numbers["light"],
                 "irradiance": {"type": "rgb", "value": [numbers["irradiance"]] * 3}},
         **({"sky": {"type": "constant", "radiance": {"type": "rgb", "value": [numbers["sky"]] * 3}}}

@@ -33,7 +33,7 @@ import peers
 import peers_exr
 import peers_tools
 from peers import BIN
-from peers_check import run
+from peers_check import blocks, run
 from peers_flicker import second_differences, turned
 
 BLOCK = 4
@@ -42,14 +42,9 @@ HOW = {"mitsuba": ("llvm_ad_rgb", "volpath"), "cycles 3": (1,), "cycles 4": (1,)
 QUALITIES = ("draft", "standard", "high")
 
 
-def blocks(image):
-    n = image.shape[0] // BLOCK
-    return image[:n * BLOCK, :n * BLOCK].reshape(n, BLOCK, n, BLOCK, 3).mean((1, 3, 4)).astype(float)
-
-
 def error_of(picture, truths):
     """Error, what it may be off by (95 %), and brightness beside the truth."""
-    a, first, second = blocks(picture), *map(blocks, truths)
+    a, first, second = (blocks(p, BLOCK) for p in (picture, *truths))
     products, level = (a - first) * (a - second), (first.mean() + second.mean()) / 2
     square = max(products.mean(), 0)
     spread = 2 * products.std() / math.sqrt(products.size)
@@ -69,7 +64,8 @@ class Scene:
     def __init__(self, options, work):
         self.options, self.work = options, work
         self.asset = peers.asset_file(options.asset, work)
-        run([BIN / "scrim_peers", "scene", self.asset, work / "scene.toml", work / "pixels.txt", "1"], work / "made.json")
+        run([BIN / "scrim_peers", "scene", self.asset, work / "scene.toml", work / "pixels.txt", "1"],
+            work / "made.json")
         self.numbers = json.loads((work / "made.json").read_text())
         self.numbers |= {"threads": options.threads, "resolution": [options.res] * 2, "albedo": options.albedo,
                          "g": options.g, "sky": options.sky, "bounces": options.bounces}
@@ -77,7 +73,8 @@ class Scene:
 
     def scrim(self, quality, sun):
         options, stats = self.options, self.work / "stats.json"
-        medium = {"albedo": [options.albedo] * 3, "scattering": '"full"', "phase": f'{{ type = "hg", g = {options.g} }}'}
+        medium = {"albedo": [options.albedo] * 3, "scattering": '"full"',
+                  "phase": f'{{ type = "hg", g = {options.g} }}'}
         sets = [f"volume.volume1.medium.{key}={value}" for key, value in medium.items()]
         sets += [f"camera.resolution=[{options.res}, {options.res}]", f"light.key.direction={list(sun)}",
                  f"ambient.color={[1, 1, 1]}", f"ambient.intensity={options.sky}", 'output.type="float"',
@@ -125,8 +122,9 @@ def rows(options, work):
     sun = scene.numbers["light"]
     teller = "mitsuba" if "mitsuba" in tools else next(iter(tools))
     truths = [scene.at_random(teller, tools[teller][0], options.reference, sun, seed, False)[0] for seed in (101, 102)]
+    first, second = (blocks(t, BLOCK) for t in truths)
     print(f"truth: {teller}, twice {options.reference} samples, which differ by "
-          f"{100 * np.std(blocks(truths[0]) - blocks(truths[1])) / blocks(truths[0]).mean():.2f} % in means")
+          f"{100 * np.std(first - second) / first.mean():.2f} % in means")
     suns = [turned(sun, i) for i in range(options.frames)]
     steady = [scene.scrim("high", s)[0] for s in suns] if suns else []
     shown = []
@@ -139,8 +137,8 @@ def rows(options, work):
         flicker = ""
         if suns:
             frames = [render(s, 10 + i)[0] for i, s in enumerate(suns)]
-            rest = [second_differences([blocks(f)[..., None] for f in part]) for part in (frames, steady)]
-            flicker = f"{math.sqrt(((rest[0] - rest[1])**2).mean()) / blocks(steady[0]).mean():.5f}"
+            rest = [second_differences([blocks(f, BLOCK)[..., None] for f in part]) for part in (frames, steady)]
+            flicker = f"{math.sqrt(((rest[0] - rest[1])**2).mean()) / blocks(steady[0], BLOCK).mean():.5f}"
         yield dict(zip(COLUMNS, [tool, how, f"{statistics.median(r[1] for r in renders):.4g}",
                                  f"{renders[0][2]:.0f}", f"{error:.5f}", f"{uncertain:.5f}", f"{mean:.5f}", flicker]))
     if options.jpg:

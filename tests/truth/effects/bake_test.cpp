@@ -269,6 +269,11 @@ TEST(BakedLight, IndirectIsOnlyWhereLightScattersMoreThanOnce) {
     scene.volumes[0].medium.scattering = Scattering::full;
     const BakedVolume baked = bake();
     EXPECT_TRUE(baked.scattered.empty());
+    ViewScene dark = scene;
+    for (Light& light : dark.lights) light.intensity = Rgb(0);
+    const BakedVolume black = bakeLight(dark, {true, true}, false, true, 2).at(0);
+    EXPECT_EQ(black.indirect, std::vector<float>(baked.indirect.size()));
+    EXPECT_EQ(black.flux[0], black.indirect);
     for (const Voxel& voxel : voxelsOf(baked))
         for (int c = 0; c < 3; ++c) {
             const double mean = at(baked.indirect, voxel)[c];

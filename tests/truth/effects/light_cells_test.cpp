@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lights on cells: closed forms in a uniform cube, and shadow buffers of the same lights in smoke.
+#include "soft_lights.h"
 #include "support/fields.h"
 #include "support/meshes.h"
 #include "support/slides.h"
@@ -27,7 +28,8 @@ namespace {
 
 constexpr double kSphere = 4 * std::numbers::pi;
 constexpr double kSigma = 0.1;  // per world unit, and per voxel
-constexpr double kHalf = 10;    // of the uniform cube's edge, world units
+const Rgb kWarm(9, 5, 2);
+constexpr double kHalf = 10;  // of the uniform cube's edge, world units
 
 ViewScene uniformCube() {
     return orthographicScene(boxField(Int3(-10), Int3(9)), {kSigma, Rgb(1), {}}, 24, 24);
@@ -145,28 +147,6 @@ TEST(LightOnCells, OfALampInTheCubeIsItsTransmittanceOverTheSquareOfTheDistance)
         }
 }
 
-Light domeLight(int samples) {
-    Light light;
-    light.name = "dome";
-    light.kind = Light::Dome();
-    light.intensity = Rgb(1);
-    light.samples = samples;
-    return light;
-}
-Light areaLight(AreaShape shape, const Vec3& from, double size, int samples) {
-    Light light;
-    light.name = "area";
-    Light::Area area;
-    area.shape = shape;
-    area.width = area.height = 2 * size;
-    area.radius = size;
-    light.kind = area;
-    light.wsPosition = from;
-    light.wsDirection = glm::normalize(-from);
-    light.intensity = {9, 5, 2};
-    light.samples = samples;
-    return light;
-}
 ViewScene smokeScene(const Phase& phase = {}) {
     ViewScene scene = orthographicScene(smokeField(16), {0.15, Rgb(0.9), phase}, 36, 36);
     scene.dials.texel = 0.5;
@@ -215,8 +195,8 @@ TEST(LightOnCells, GivesThePictureOfShadowBuffers) {
             ViewScene scene = perspective ? perspectiveSmoke(phase) : smokeScene(phase);
             const int kind = number++ % 3;
             scene.lights = {kind == 0   ? domeLight(24)
-                            : kind == 1 ? areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9)
-                                        : areaLight(AreaShape::disk, {-20, 5, -22}, 5, 9)};
+                            : kind == 1 ? areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9, kWarm)
+                                        : areaLight(AreaShape::disk, {-20, 5, -22}, 5, 9, kWarm)};
             EXPECT_LT(errorOnCells(scene), kTwoWays) << number << " kind " << kind;
         }
 }
@@ -224,7 +204,7 @@ TEST(LightOnCells, GivesThePictureOfShadowBuffers) {
 TEST(LightOnCells, GivesThePictureOfShadowBuffersForColouredExtinction) {
     ViewScene scene = smokeScene({0.3});
     scene.volumes[0].medium.extinctionTint = {1, 0.6, 0.3};
-    scene.lights = {areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9)};
+    scene.lights = {areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9, kWarm)};
     EXPECT_LT(errorOnCells(scene), kTwoWays);
 }
 
@@ -258,7 +238,7 @@ TEST(LightOnCells, OfALampWithoutShadowsIsNotAttenuated) {
 TEST(LightOnCells, InThickSheetsIsNearlyThatInThinOnes) {
     ViewScene scene = smokeScene();
     scene.volumes[0].medium.densityScale = 1;
-    scene.lights = {areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9)};
+    scene.lights = {areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9, kWarm)};
     scene.lights[0].shadow = ShadowMethod::cells;
     scene.dials.lightCell = 0.5;
     const auto pictureOf = [&](double thickness) {
@@ -294,7 +274,7 @@ double lightOfSphere(double radius, double r, double sigma) {
 TEST(LightOnCells, OfASphereInADenseCubeIsRightAtItsSurface) {
     constexpr double kDense = 1;
     ViewScene scene = orthographicScene(boxField(Int3(-10), Int3(9)), {kDense, Rgb(1), {}}, 24, 24);
-    scene.lights = {areaLight(AreaShape::sphere, {0.3, -0.2, 0.4}, 2, 0)};
+    scene.lights = {areaLight(AreaShape::sphere, {0.3, -0.2, 0.4}, 2, 0, kWarm)};
     scene.lights[0].intensity = Rgb(7);
     for (const double edge : {0.5, 1.0})
         for (const double beyond : {0.05, 0.25, 0.5, 1.0, 1.5})
@@ -311,7 +291,7 @@ TEST(LightOnCells, OfASphereInADenseCubeIsRightAtItsSurface) {
 TEST(LightOnCells, OfASphereInTheCubeIsTheIntegralOverItsSolidAngle) {
     ViewScene scene = uniformCube();
     for (const double radius : {0.3, 0.8, 2.0}) {
-        scene.lights.assign(5, areaLight(AreaShape::sphere, {0.3, -0.2, 0.4}, radius, 0));
+        scene.lights.assign(5, areaLight(AreaShape::sphere, {0.3, -0.2, 0.4}, radius, 0, kWarm));
         for (Light& light : scene.lights) light.intensity = Rgb(1.4);
         const ViewScene alone = [&] {
             ViewScene one = scene;
@@ -343,7 +323,7 @@ TEST(LightOnCells, OfASphereIsThatOfItsManyPoints) {
                   {{3.3, -2.2, 1.7}, 3, 0.6, 0.13}};
     for (const auto& c : kCases) {
         ViewScene scene = perspectiveSmoke({c.g});
-        scene.lights = {areaLight(AreaShape::sphere, c.from, c.radius, 0)};
+        scene.lights = {areaLight(AreaShape::sphere, c.from, c.radius, 0, kWarm)};
         EXPECT_EQ(pointsOnCells(scene, scene.lights[0]), c.radius > 6 ? 26 : 12);
         const Image image = renderScene(scene).image;
         scene.lights[0].samples = 400;
@@ -366,7 +346,7 @@ TEST(LightOnCells, OfLampsTogetherIsTheSumOfTheirLayers) {
     for (const bool coloured : {false, true}) {
         scene.volumes[0].medium.extinctionTint = coloured ? Rgb(1, 0.6, 0.4) : Rgb(1);
         scene.lights = {lamp({-9, 2, 4}, 30), lamp({7, -6, -3}, 20), lamp({2, 12, 9}, 10),
-                        areaLight(AreaShape::sphere, {3, 3, 14}, 0.8, 0), lamp({-3, -12, 1}, 15)};
+                        areaLight(AreaShape::sphere, {3, 3, 14}, 0.8, 0, kWarm), lamp({-3, -12, 1}, 15)};
         scene.lights[1].intensity = coloured ? Rgb(5, 20, 9) : Rgb(20);
         if (!coloured) scene.lights[3].intensity = Rgb(4);
         scene.layers = {};
@@ -396,7 +376,7 @@ TEST(LightOnCells, BelongsToItsLayerAndToTheVolumesThatItLights) {
     beside.wsFromIs[3] = {9, 4, -6, 1};
     beside.medium.phase = {-0.2};
     scene.volumes.push_back(beside);
-    scene.lights = {domeLight(16), areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9)};
+    scene.lights = {domeLight(16), areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9, kWarm)};
     scene.volumes[0].lights = {true, false};
     scene.volumes[1].lights = {true, true};
     EXPECT_LT(errorOnCells(scene), kTwoWays);
@@ -413,11 +393,11 @@ TEST(LightOnCells, BelongsToItsLayerAndToTheVolumesThatItLights) {
 
 TEST(LightOnCells, GivesThePictureOfShadowBuffersForSurfacesOfAllKinds) {
     ViewScene scene = perspectiveSmoke({0.4});
-    Light narrow = areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9);
+    Light narrow = areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9, kWarm);
     std::get<Light::Area>(narrow.kind).spread = 60;
-    const Light wide = areaLight(AreaShape::sphere, {-35, 20, 30}, 10, 24);  // too wide to be a lamp
+    const Light wide = areaLight(AreaShape::sphere, {-35, 20, 30}, 10, 24, kWarm);  // too wide to be a lamp
     ASSERT_FALSE(isLampOnCells(scene, wide));
-    for (const Light& light : {narrow, areaLight(AreaShape::cylinder, {-20, 12, 10}, 4, 24), wide}) {
+    for (const Light& light : {narrow, areaLight(AreaShape::cylinder, {-20, 12, 10}, 4, 24, kWarm), wide}) {
         scene.lights = {light};
         EXPECT_LT(errorOnCells(scene), kTwoWays);
         scene.lights[0].samples = 0;
@@ -452,7 +432,7 @@ ViewScene smokeWithSolids(bool holdout) {
 TEST(LightOnCells, AreBlockedBySolids) {
     for (const bool holdout : {false, true}) {
         ViewScene scene = smokeWithSolids(holdout);
-        scene.lights = {holdout ? domeLight(30) : areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 12)};
+        scene.lights = {holdout ? domeLight(30) : areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 12, kWarm)};
         scene.lights[0].shadow = ShadowMethod::cells;
         PixelSample sample = samplePixels(scene, renderScene(scene).image, 80, 7);
         const double cells = summarise(sample).error;
@@ -469,7 +449,7 @@ TEST(LightOnCells, AreBlockedBySolids) {
 TEST(LightOnCells, OfLampsAreBlockedBySolids) {
     for (const bool holdout : {false, true}) {
         ViewScene scene = smokeWithSolids(holdout);
-        scene.lights = {holdout ? areaLight(AreaShape::sphere, {9, 7, 8}, 1, 0) : lamp({5, 3, 4}, 50)};
+        scene.lights = {holdout ? areaLight(AreaShape::sphere, {9, 7, 8}, 1, 0, kWarm) : lamp({5, 3, 4}, 50)};
         const Image image = renderScene(scene).image;
         EXPECT_EQ(planCellLights(scene).lights.size(), 1u);
         scene.lights[0].samples = 200;
@@ -539,7 +519,7 @@ TEST(SkyWithASun, AgreesWithTheReferenceOfItsPicture) {
 
 TEST(LightOnCells, DoesNotDependOnThreads) {
     ViewScene scene = perspectiveSmoke({0.5});
-    scene.lights = {domeLight(40), areaLight(AreaShape::sphere, {5, 3, 2}, 2, 12), lamp({-3, 2, 1}, 20)};
+    scene.lights = {domeLight(40), areaLight(AreaShape::sphere, {5, 3, 2}, 2, 12, kWarm), lamp({-3, 2, 1}, 20)};
     const auto render1 = [&](int threads) { return render(scene, makePlan(scene, threads)).image.rgba; };
     const auto one = render1(1);
     for (const int threads : {2, 3, 8}) EXPECT_EQ(render1(threads), one) << threads;
@@ -575,7 +555,7 @@ TEST(LightOnCells, IsChosenForWhatShinesFromManyPlacesOrFromWithin) {
     Light sun = distantLight({0, -1, 0});
     sun.kind = Light::Distant(2);
     scene.lights = {domeLight(0), sun, lamp({1, 1, 1}, 1), lamp({100, 0, 0}, 1),
-                    areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 0)};
+                    areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 0, kWarm)};
     scene.lights.push_back(scene.lights[0]);
     scene.lights.back().shadow = ShadowMethod::buffers;
     EXPECT_EQ(planCellLights(scene).lights, (std::vector<int>{0, 2, 4}));
@@ -588,7 +568,7 @@ TEST(LightOnCells, IsChosenForWhatShinesFromManyPlacesOrFromWithin) {
 // Dense voxels cast shadows with edges of a voxel, which cells blur; a thin medium has none.
 TEST(LightOnCells, AreLeftToShadowBuffersWhereAFewPointsLightDenseVoxels) {
     ViewScene scene = uniformCube();
-    scene.lights = {areaLight(AreaShape::disk, {60, 40, 30}, 3, 0)};
+    scene.lights = {areaLight(AreaShape::disk, {60, 40, 30}, 3, 0, kWarm)};
     const int points = subLightCount(scene, scene.lights[0]);
     ASSERT_GE(points, 4);
     ASSERT_LT(points, 16);
@@ -598,7 +578,7 @@ TEST(LightOnCells, AreLeftToShadowBuffersWhereAFewPointsLightDenseVoxels) {
     };
     EXPECT_TRUE(onCells(0.25));
     EXPECT_FALSE(onCells(0.35));
-    scene.lights[0] = areaLight(AreaShape::disk, {60, 40, 30}, 30, 0);
+    scene.lights[0] = areaLight(AreaShape::disk, {60, 40, 30}, 30, 0, kWarm);
     ASSERT_GE(subLightCount(scene, scene.lights[0]), 16);
     EXPECT_TRUE(onCells(0.35));
     // The finest cells are a quarter of a voxel.

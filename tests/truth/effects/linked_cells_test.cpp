@@ -2,6 +2,7 @@
 // Lights on cells among volumes with shadow linking: closed forms in uniform cubes, shadow buffers of the same lights,
 // and brute force.
 #include "scenes.h"
+#include "soft_lights.h"
 #include "support/fields.h"
 #include "support/verified.h"
 
@@ -45,29 +46,6 @@ void link(ViewScene& scene, const std::vector<int>& sets) {
 }
 double sigmaOf(int set) {
     return ((set & 1) != 0 ? kSigma[0] : 0) + ((set & 2) != 0 ? kSigma[1] : 0);
-}
-
-Light domeLight(int samples) {
-    Light light;
-    light.name = "dome";
-    light.kind = Light::Dome();
-    light.intensity = Rgb(1);
-    light.samples = samples;
-    return light;
-}
-Light areaLight(AreaShape shape, const Vec3& from, double size, int samples) {
-    Light light;
-    light.name = "area";
-    Light::Area area;
-    area.shape = shape;
-    area.width = area.height = 2 * size;
-    area.radius = size;
-    light.kind = area;
-    light.wsPosition = from;
-    light.wsDirection = glm::normalize(-from);
-    light.intensity = Rgb(9);
-    light.samples = samples;
-    return light;
 }
 
 // All light on cells of half a voxel at a point, of one volume.
@@ -125,8 +103,8 @@ double closedForm(const ViewScene& scene, const Light& light, const Vec3& ws, do
 }
 
 std::vector<Light> lightsOfAllShapes() {
-    return {domeLight(40), areaLight(AreaShape::rectangle, {22, 14, 25}, 3, 9),
-            areaLight(AreaShape::sphere, {3, -2, 24}, 0.5, 0), lamp({0.3, -0.2, 0.4}, 50)};
+    return {domeLight(40), areaLight(AreaShape::rectangle, {22, 14, 25}, 3, 9, Rgb(9)),
+            areaLight(AreaShape::sphere, {3, -2, 24}, 0.5, 0, Rgb(9)), lamp({0.3, -0.2, 0.4}, 50)};
 }
 const std::vector<Vec3> kPlaces{{2.25, 0.25, -0.75}, {-3.75, 4.25, 5.25}, {5.25, -6.25, 1.25}};
 
@@ -209,8 +187,8 @@ ViewScene linkedSmoke(bool coloured) {
     if (coloured) scene.volumes[1].medium.extinctionTint = {1, 0.6, 0.3};
     scene.volumes.push_back(scene.volumes[0]);
     scene.volumes[2].wsFromIs[3] = {-8, 6, 9, 1};
-    scene.lights = {domeLight(24), areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9),
-                    areaLight(AreaShape::sphere, {-16, 14, 22}, 1, 0), lamp({3.3, -2.2, 1.7}, 120)};
+    scene.lights = {domeLight(24), areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9, Rgb(9)),
+                    areaLight(AreaShape::sphere, {-16, 14, 22}, 1, 0, Rgb(9)), lamp({3.3, -2.2, 1.7}, 120)};
     link(scene, {1, 2, 6, 3});
     return scene;
 }

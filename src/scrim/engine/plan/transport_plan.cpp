@@ -150,8 +150,7 @@ int leastForCells(const ViewScene& scene, const Light& light, const std::vector<
 }
 
 // Whether a light is better kept on cells, or is told to be.
-bool fitsCells(const ViewScene& scene, std::size_t i, const std::vector<Vec3>& wsCorners) {
-    const Light& light = scene.lights[i];
+bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
     if (black(light.intensity) || light.shadow == ShadowMethod::buffers) return false;
     if (!light.shadows && !isLampOnCells(scene, light)) return false;
     if (light.dome() && skiesFromBorder(scene)) return false;
@@ -233,7 +232,7 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
-        if (!fitsCells(scene, i, corners)) continue;
+        if (!fitsCells(scene, light, corners)) continue;
         if (inView.empty()) inView = lightsInView(scene);
         if (!inView[i]) continue;
         plan.lights.push_back(static_cast<int>(i));

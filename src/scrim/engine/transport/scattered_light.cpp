@@ -41,8 +41,8 @@ class ScatteredLight {
                    const std::function<void()>& checkpoint);
 
     std::vector<CellLight> lights() const;
-    // For each volume, the flux along x, y and z.
-    std::vector<std::array<std::shared_ptr<const CellField>, 3>> flux() const;
+    // Along x, y and z; null unless it is kept.
+    const std::array<std::shared_ptr<CellField>, 3>& flux() const { return m_flux; }
 
     const Solved& solved() const { return m_solved; }
     // Peak memory.
@@ -298,15 +298,6 @@ void ScatteredLight::limitFlux() {
     });
 }
 
-std::vector<std::array<std::shared_ptr<const CellField>, 3>> ScatteredLight::flux() const {
-    std::vector<std::array<std::shared_ptr<const CellField>, 3>> all;
-    for (const int cls : m_classOf) {
-        auto& own = all.emplace_back();
-        if (cls >= 0) std::copy(m_flux.begin(), m_flux.end(), own.begin());
-    }
-    return all;
-}
-
 std::vector<CellLight> ScatteredLight::lights() const {
     std::vector<CellLight> all;
     for (std::size_t t = 0; t < m_targets.size(); ++t) {
@@ -377,7 +368,7 @@ std::vector<CellLight> scatteredLight(const ViewScene& scene, const TransportPla
     return light.lights();
 }
 
-std::pair<std::vector<CellLight>, std::vector<std::array<std::shared_ptr<const CellField>, 3>>> scatteredMoments(
+std::pair<std::vector<CellLight>, std::array<std::shared_ptr<CellField>, 3>> scatteredMoments(
     const ViewScene& scene, const TransportPlan& plan, bool flux, Simd simd, const std::function<void()>& checkpoint,
     Solved& solved) {
     const ScatteredLight light(scene, plan, flux ? Kept::meanAndFlux : Kept::mean, simd, checkpoint);

@@ -27,10 +27,10 @@ std::vector<CellLight> scatteredLight(const ViewScene& scene, const TransportPla
                                       const std::function<void()>& checkpoint, Solved& solved, std::size_t& bytes);
 
 /// The same light for no eye: the lights are the mean of radiance over all directions. The second part, if `flux` is
-/// true, is for each volume the vector flux of the light that has scattered before, over 4 pi: the mean of radiance
-/// times direction of travel in world space, a field of red, green and blue for each of x, y and z. It is no longer
-/// than the mean. Volumes that scatter light only once have none.
-std::pair<std::vector<CellLight>, std::vector<std::array<std::shared_ptr<const CellField>, 3>>> scatteredMoments(
+/// true, is the vector flux of the light that has scattered before, over 4 pi: the mean of radiance times direction of
+/// travel in world space, a field of red, green and blue for each of x, y and z. It is no longer than the mean, and the
+/// same for all volumes that scatter light more than once.
+std::pair<std::vector<CellLight>, std::array<std::shared_ptr<CellField>, 3>> scatteredMoments(
     const ViewScene& scene, const TransportPlan& plan, bool flux, Simd simd, const std::function<void()>& checkpoint,
     Solved& solved);
 
