@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -22,34 +23,63 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// Four vectors of outputs for two rows stay in registers while all inputs are read.
-HWY_ATTR void multiplyRows(const Real* matrix, std::size_t count, const Real* a, const Real* b, Real* toA, Real* toB) {
+constexpr std::size_t kRows = 4;  // rows that share loads of a matrix
+
+// The sums of a row over octants with signs, all eight of them: the value at octant `o` of the result is the sum over
+// octants p of (-1)^(bits in both o and p) times that at p. Twice applied, this gives the row times 8.
+HWY_ATTR void signedSums(const Real* row, std::size_t perOctant, Real* to) {
     const D8 d;
-    const std::size_t lanes = hn::Lanes(d), step = std::min(4 * lanes, count);
-    for (std::size_t m = 0; m < count; m += step) {
-        auto a0 = hn::Zero(d), a1 = a0, a2 = a0, a3 = a0, b0 = a0, b1 = a0, b2 = a0, b3 = a0;
-        const Real* column = matrix + m;
-        for (std::size_t n = 0; n < count; ++n, column += count) {
-            const auto fromA = hn::Set(d, a[n]), fromB = hn::Set(d, b[n]);
-            const auto m0 = hn::LoadU(d, column), m1 = hn::LoadU(d, column + lanes);
-            const auto m2 = hn::LoadU(d, column + 2 * lanes), m3 = hn::LoadU(d, column + 3 * lanes);
-            a0 = hn::MulAdd(m0, fromA, a0);
-            a1 = hn::MulAdd(m1, fromA, a1);
-            a2 = hn::MulAdd(m2, fromA, a2);
-            a3 = hn::MulAdd(m3, fromA, a3);
-            b0 = hn::MulAdd(m0, fromB, b0);
-            b1 = hn::MulAdd(m1, fromB, b1);
-            b2 = hn::MulAdd(m2, fromB, b2);
-            b3 = hn::MulAdd(m3, fromB, b3);
+    for (std::size_t m = 0; m < perOctant; m += hn::Lanes(d)) {
+        const auto at = [&](std::size_t octant) HWY_ATTR { return hn::LoadU(d, row + octant * perOctant + m); };
+        for (std::size_t half = 0; half < 2; ++half) {
+            const auto pair = [&](std::size_t octant) HWY_ATTR {
+                const auto a = at(octant), b = at(octant + 1);
+                return half == 0 ? hn::Add(a, b) : hn::Sub(a, b);
+            };
+            const auto p0 = pair(0), p1 = pair(2), p2 = pair(4), p3 = pair(6);
+            const auto a = hn::Add(p0, p1), b = hn::Add(p2, p3), e = hn::Sub(p0, p1), f = hn::Sub(p2, p3);
+            Real* out = to + half * perOctant + m;
+            hn::StoreU(hn::Add(a, b), d, out);
+            hn::StoreU(hn::Add(e, f), d, out + 2 * perOctant);
+            hn::StoreU(hn::Sub(a, b), d, out + 4 * perOctant);
+            hn::StoreU(hn::Sub(e, f), d, out + 6 * perOctant);
         }
-        hn::StoreU(a0, d, toA + m);
-        hn::StoreU(a1, d, toA + m + lanes);
-        hn::StoreU(a2, d, toA + m + 2 * lanes);
-        hn::StoreU(a3, d, toA + m + 3 * lanes);
-        hn::StoreU(b0, d, toB + m);
-        hn::StoreU(b1, d, toB + m + lanes);
-        hn::StoreU(b2, d, toB + m + 2 * lanes);
-        hn::StoreU(b3, d, toB + m + 3 * lanes);
+    }
+}
+
+// Adds factor times the product of one octant's block and of the rows' values there, `kVectors` vectors of each row.
+template <std::size_t kVectors>
+HWY_ATTR HWY_INLINE void addProduct(const Real* column, std::size_t perOctant, const Real* from, const Real* factors,
+                                    std::size_t stride, Real* to) {
+    const D8 d;
+    const std::size_t lanes = hn::Lanes(d);
+    hn::Vec<D8> sums[kRows][kVectors];
+    for (auto& row : sums)
+        for (auto& sum : row) sum = hn::Zero(d);
+    for (std::size_t n = 0; n < perOctant; ++n, column += perOctant) {
+        hn::Vec<D8> weights[kVectors];
+        for (std::size_t v = 0; v < kVectors; ++v) weights[v] = hn::LoadU(d, column + v * lanes);
+        for (std::size_t r = 0; r < kRows; ++r) {
+            const auto value = hn::Set(d, from[r * stride + n]);
+            for (std::size_t v = 0; v < kVectors; ++v) sums[r][v] = hn::MulAdd(weights[v], value, sums[r][v]);
+        }
+    }
+    for (std::size_t r = 0; r < kRows; ++r)
+        for (std::size_t v = 0; v < kVectors; ++v) {
+            Real* out = to + r * stride + v * lanes;
+            hn::StoreU(hn::MulAdd(hn::Set(d, factors[r]), sums[r][v], hn::LoadU(d, out)), d, out);
+        }
+}
+
+HWY_ATTR void multiplyRows(const Real* matrix, std::size_t count, const Real* from, const Real* factors, Real* to) {
+    const std::size_t lanes = hn::Lanes(D8()), perOctant = count / 8;
+    for (std::size_t first = 0; first < count; first += perOctant, matrix += perOctant * perOctant) {
+        if (perOctant == lanes) {
+            addProduct<1>(matrix, perOctant, from + first, factors, count, to + first);
+            continue;
+        }
+        for (std::size_t m = 0; m < perOctant; m += 2 * lanes)
+            addProduct<2>(matrix + m, perOctant, from + first, factors, count, to + first + m);
     }
 }
 
@@ -92,6 +122,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace scrim {
 
+HWY_EXPORT(signedSums);
 HWY_EXPORT(multiplyRows);
 HWY_EXPORT(fillRow);
 HWY_EXPORT(weightedSum);
@@ -100,6 +131,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kMost = 256, kMostResolved = 32;  // most ordinates, and moments
+constexpr std::size_t kRowsTogether = 4;                // as multiplyRows takes them
 
 struct Node {
     double cosine, weight;  // weights sum to 2
@@ -203,42 +235,46 @@ std::vector<double> legendreMoments(const Phase& phase, int count) {
 }
 
 std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const std::vector<double>& moments) {
-    const auto count = std::size_t(ordinates.count());
-    std::vector<Real> out(count * count);
-    for (std::size_t n = 0; n < count; ++n)
-        for (std::size_t m = 0; m < count; ++m) {
-            double value = 0;
-            forPolynomials(moments.size(), glm::dot(ordinates.directions[n], ordinates.directions[m]),
-                           [&](std::size_t l, double p) { value += (2 * double(l) + 1) * moments[l] * p; });
-            out[n * count + m] = static_cast<Real>(ordinates.weights[n] * value / (4 * kPi));
+    const auto perOctant = std::size_t(ordinates.perOctant);
+    std::vector<Real> out(8 * perOctant * perOctant);
+    parallelFor(perOctant, [&](std::size_t n) {
+        for (std::size_t m = 0; m < perOctant; ++m) {
+            double values[8];  // from the first octant to each
+            for (std::size_t octant = 0; octant < 8; ++octant) {
+                values[octant] = 0;
+                const Vec3& to = ordinates.directions[octant * perOctant + m];
+                forPolynomials(moments.size(), glm::dot(ordinates.directions[n], to), [&](std::size_t l, double p) {
+                    values[octant] += ordinates.weights[n] * (2 * double(l) + 1) * moments[l] * p / (4 * kPi);
+                });
+            }
+            for (unsigned signs = 0; signs < 8; ++signs) {
+                double sum = 0;
+                for (unsigned octant = 0; octant < 8; ++octant)
+                    sum += (std::popcount(signs & octant) % 2 == 0 ? 1 : -1) * values[octant];
+                out[(signs * perOctant + n) * perOctant + m] = static_cast<Real>(sum / 8);
+            }
         }
+    });
     return out;
 }
 
 void mixOrdinates(const std::vector<std::vector<Real>>& matrices, const std::vector<std::vector<Real>>& shares,
                   std::size_t begin, std::size_t end, std::size_t count, Real* rows, Simd simd) {
     const auto multiply = SCRIM_ON_TARGET(simd, multiplyRows);
-    std::array<Real, kMost> a, b, sumA, sumB;
-    for (std::size_t row = begin; row < end; row += 2) {
-        Real *first = rows + row * count, *second = row + 1 < end ? first + count : first;
-        if (shares.empty()) {
-            multiply(matrices.front().data(), count, first, second, a.data(), b.data());
-            std::copy_n(a.data(), count, first);
-            if (second != first) std::copy_n(b.data(), count, second);
-            continue;
-        }
-        std::fill_n(sumA.data(), count, Real(0));
-        std::fill_n(sumB.data(), count, Real(0));
+    const auto sums = SCRIM_ON_TARGET(simd, signedSums);
+    std::array<Real, kRowsTogether * kMost> turned, scattered;
+    for (std::size_t row = begin; row < end; row += kRowsTogether) {
+        const std::size_t here = std::min(kRowsTogether, end - row);
+        for (std::size_t r = 0; r < kRowsTogether; ++r)
+            sums(rows + (row + std::min(r, here - 1)) * count, count / 8, turned.data() + r * count);
+        std::fill_n(scattered.data(), kRowsTogether * count, Real(0));
         for (std::size_t k = 0; k < matrices.size(); ++k) {
-            multiply(matrices[k].data(), count, first, second, a.data(), b.data());
-            const Real shareA = shares[k][row], shareB = shares[k][std::min(row + 1, end - 1)];
-            for (std::size_t m = 0; m < count; ++m) {
-                sumA[m] += shareA * a[m];
-                sumB[m] += shareB * b[m];
-            }
+            Real factors[kRowsTogether];
+            for (std::size_t r = 0; r < kRowsTogether; ++r)
+                factors[r] = shares.empty() ? Real(1) : shares[k][row + std::min(r, here - 1)];
+            multiply(matrices[k].data(), count, turned.data(), factors, scattered.data());
         }
-        std::copy_n(sumA.data(), count, first);
-        if (second != first) std::copy_n(sumB.data(), count, second);
+        for (std::size_t r = 0; r < here; ++r) sums(scattered.data() + r * count, count / 8, rows + (row + r) * count);
     }
 }
 

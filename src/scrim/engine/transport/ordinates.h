@@ -43,10 +43,14 @@ std::vector<double> legendreMoments(const Phase& phase, int count);
 /// exactly.
 int resolvedMoments(int ordinates);
 
-/// The radiance scattered into each ordinate from unit radiance along each other one, times that one's weight: the
-/// value at [n count + m] is w_n p(n -> m), where p has Legendre moments `moments`, at most resolvedMoments(). The
-/// quadrature integrates it exactly, so rows and columns sum to one: energy is conserved, and uniform radiance stays
-/// uniform. All moments are those of the phase function.
+/// The radiance scattered into each ordinate m from unit radiance along each other one n, times that one's weight:
+/// w_n p(n -> m), where p has Legendre moments `moments`, at most resolvedMoments(). The quadrature integrates it
+/// exactly, so rows and columns sum to one: energy is conserved, and uniform radiance stays uniform. All moments are
+/// those of the phase function.
+///
+/// Octants are mirror images of each other, so the matrix depends on the pair of octants only by the axes in which they
+/// differ. Sums of a row over octants, with signs, are therefore scattered apart from each other. Kept are the eight
+/// blocks for these sums, perOctant^2 values each, n before m, times 1/8: an eighth of the whole matrix.
 std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const std::vector<double>& moments);
 
 // Scattering between ordinates is the most expensive part of media that are not isotropic: from all ordinates to all,

@@ -46,7 +46,10 @@ TEST(Ordinates, ScatterByTheMomentsOfThePhaseFunction) {
         const int resolved = resolvedMoments(count);
         for (const double g : {-0.5, 0.0, 0.3, 0.75, 0.9}) {
             const std::vector<double> moments = legendreMoments({g}, resolved);
-            const std::vector<Real> matrix = scatteringMatrix(set, moments);
+            // Unit radiance along one ordinate in each row.
+            std::vector<Real> matrix(n * n);
+            for (std::size_t from = 0; from < n; ++from) matrix[from * n + from] = 1;
+            mixOrdinates({scatteringMatrix(set, moments)}, {}, 0, n, n, matrix.data(), Simd());
             const Vec3 axis = glm::normalize(Vec3(0.3, -0.5, 0.8));
             for (int l = 0; l < resolved; ++l) {
                 const auto degree = static_cast<unsigned>(l);
@@ -68,6 +71,43 @@ TEST(Ordinates, ScatterByTheMomentsOfThePhaseFunction) {
                 EXPECT_LT(worst, 5e-3) << count << " " << g << " " << l;
             }
         }
+    }
+}
+
+// By brute force: the sum of two phase functions over all ordinates, with the weights that each row has for them.
+TEST(Ordinates, ScatterEachRowByItsMixOfPhaseFunctions) {
+    for (const int count : kOrdinateCounts) {
+        const Ordinates set = ordinates(count);
+        const auto n = std::size_t(count);
+        constexpr std::size_t kRows = 7, kBegin = 1;
+        const std::vector<double> moments[2] = {legendreMoments({0.4}, 6), legendreMoments({-0.3}, 5)};
+        std::vector<std::vector<Real>> shares(2, std::vector<Real>(kRows));
+        std::vector<Real> rows(kRows * n);
+        for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<Real>(std::sin(double(i * i % 1000)));
+        for (std::size_t r = 0; r < kRows; ++r) {
+            shares[0][r] = static_cast<Real>(double(r) / kRows);
+            shares[1][r] = 1 - shares[0][r];
+        }
+        std::vector<Real> mixed = rows;
+        mixOrdinates({scatteringMatrix(set, moments[0]), scatteringMatrix(set, moments[1])}, shares, kBegin, kRows, n,
+                     mixed.data(), Simd());
+        for (std::size_t r = 0; r < kRows; ++r)
+            for (std::size_t m = 0; m < n; ++m) {
+                double expected = 0;
+                for (std::size_t from = 0; from < n; ++from)
+                    for (int k = 0; k < 2; ++k) {
+                        const double cosine = glm::dot(set.directions[from], set.directions[m]);
+                        double phase = 0;
+                        for (std::size_t l = 0; l < moments[k].size(); ++l)
+                            phase += (2 * double(l) + 1) * moments[k][l] *
+                                     std::legendre(static_cast<unsigned>(l), std::clamp(cosine, -1.0, 1.0)) / (4 * kPi);
+                        expected +=
+                            double(shares[std::size_t(k)][r]) * set.weights[from] * phase * double(rows[r * n + from]);
+                    }
+                // Rows before the first stay. The rest is rounded at most so often as it has terms.
+                EXPECT_NEAR(mixed[r * n + m], r < kBegin ? double(rows[r * n + m]) : expected, 2e-5)
+                    << count << " " << r;
+            }
     }
 }
 
