@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/transport/solver.h>
 
+#include <scrim/base/anderson.h>
 #include <scrim/base/parallel.h>
 
 #include <algorithm>
@@ -44,30 +45,6 @@ double sumOf(std::size_t count, const Term& term) {
     return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// Least squares by the normal equations, which need no pivots; singular directions count as 0.
-std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<double> b) {
-    const std::size_t n = b.size();
-    for (std::size_t i = 0; i < n; ++i) {
-        if (!(std::abs(a[i][i]) > 0)) continue;
-        for (std::size_t j = i + 1; j < n; ++j) {
-            const double factor = a[j][i] / a[i][i];
-            for (std::size_t k = i; k < n; ++k) a[j][k] -= factor * a[i][k];
-            b[j] -= factor * b[i];
-        }
-    }
-    for (std::size_t i = n; i-- > 0;) {
-        for (std::size_t k = i + 1; k < n; ++k) b[i] -= a[i][k] * b[k];
-        b[i] = std::abs(a[i][i]) > 0 ? b[i] / a[i][i] : 0;
-    }
-    return b;
-}
-
-std::vector<Real> difference(const std::vector<Real>& a, const std::vector<Real>& b) {
-    std::vector<Real> out(a.size());
-    for (std::size_t i = 0; i < a.size(); ++i) out[i] = a[i] - b[i];
-    return out;
-}
-
 }  // namespace
 
 // The cells of one size, with what a solve keeps for them.
@@ -88,50 +65,6 @@ struct TransportSolver::Level {
     const CellMedia& cells() const { return own ? *own : media; }
 };
 
-// Anderson's acceleration: the mix of the last iterates whose residuals cancel best.
-class TransportSolver::Anderson {
-  public:
-    // Replaces x by the next iterate; `next` = G(x). Squares have the weights `weights`, one per row, then `ofSides`.
-    void step(std::vector<Real>& x, const std::vector<Real>& next, const std::vector<Real>& weights, std::size_t values,
-              const std::vector<Real>& ofSides, std::size_t history) {
-        const std::vector<Real> residual = difference(next, x);
-        if (!m_next.empty()) m_steps.push_back({difference(next, m_next), difference(residual, m_residual)});
-        if (m_steps.size() > history) m_steps.erase(m_steps.begin());
-        m_next = next;
-        m_residual = residual;
-        const auto product = [&](const std::vector<Real>& a, const std::vector<Real>& b) {
-            double all = sumOf(weights.size(), [&](std::size_t row) {
-                double sum = 0;
-                for (std::size_t i = row * values; i < (row + 1) * values; ++i) sum += double(a[i]) * double(b[i]);
-                return sum * double(weights[row]);
-            });
-            for (std::size_t i = 0, at = weights.size() * values; i < ofSides.size(); ++i, ++at)
-                all += double(a[at]) * double(b[at]) * double(ofSides[i]);
-            return all;
-        };
-        const std::size_t n = m_steps.size();
-        std::vector<std::vector<double>> matrix(n, std::vector<double>(n));
-        std::vector<double> right(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            for (std::size_t j = 0; j <= i; ++j)
-                matrix[i][j] = matrix[j][i] = product(m_steps[i].residual, m_steps[j].residual);
-            matrix[i][i] *= 1 + 1e-10;
-            right[i] = product(m_steps[i].residual, residual);
-        }
-        const std::vector<double> part = solved(matrix, right);
-        x = next;
-        for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t k = 0; k < x.size(); ++k) x[k] -= static_cast<Real>(part[i]) * m_steps[i].next[k];
-    }
-
-  private:
-    struct Step {
-        std::vector<Real> next, residual;
-    };
-    std::vector<Step> m_steps;  // from each iterate to the next one
-    std::vector<Real> m_next, m_residual;
-};
-
 TransportSolver::TransportSolver(const CellMedia& media, const std::vector<ScatterClass>& classes, Settings settings)
     : m_classes(classes), m_settings(std::move(settings)) {
     m_full = std::size_t(std::count_if(classes.begin(), classes.end(), [](const ScatterClass& c) { return !c.once; }));
@@ -144,6 +77,8 @@ TransportSolver::TransportSolver(const CellMedia& media, const std::vector<Scatt
     while (m_settings.accelerate && !media.grid.hasWalls() && m_levels.size() < kMostLevels &&
            m_levels.back().cells().grid.cells() > kFewestCells) {
         CellMedia next = coarser(m_levels.back().cells());
+        // Few blocks may be as many in cells twice as large, which then cost as much.
+        if (2 * next.grid.cells() > m_levels.back().cells().grid.cells()) break;
         m_levels.emplace_back().media = std::move(next);
     }
     for (Level& level : m_levels) numberRows(level);
@@ -248,6 +183,19 @@ void TransportSolver::scatter(Level& level) const {
     });
 }
 
+// The inner product of two vectors like x, weighted by what cells and sides scatter.
+double TransportSolver::product(const Level& level, const std::vector<Real>& a, const std::vector<Real>& b) const {
+    const std::size_t values = valuesPerRow();
+    double all = sumOf(level.rowCount, [&](std::size_t row) {
+        double sum = 0;
+        for (std::size_t i = row * values; i < (row + 1) * values; ++i) sum += double(a[i]) * double(b[i]);
+        return sum * double(level.scattering[row]);
+    });
+    for (std::size_t i = 0, at = level.rowCount * values; i < level.sides.size(); ++i, ++at)
+        all += double(a[at]) * double(b[at]) * double(level.sides[i]);
+    return all;
+}
+
 // The relative change of the scattered light by the last sweep.
 double TransportSolver::changeOf(const Level& level) const {
     const std::size_t values = valuesPerRow();
@@ -329,7 +277,7 @@ double TransportSolver::iterate(std::size_t level, const Real* inflow, double to
     Level& here = m_levels[level];
     const bool coarsest = level + 1 == m_levels.size();
     const std::size_t history = here.cells().grid.hasWalls() && !m_isotropic ? kShortHistory : kHistory;
-    Anderson anderson;
+    AndersonMixing anderson(history, [&](const auto& a, const auto& b) { return product(here, a, b); });
     double change = 0, least = std::numeric_limits<double>::infinity();
     if (coarsest && level > 0) mostSweeps = std::max(mostSweeps, kCoarsestSweeps);
     for (int i = 0, idle = 0; i < mostSweeps && idle < kIdleSweeps; ++i) {
@@ -343,7 +291,7 @@ double TransportSolver::iterate(std::size_t level, const Real* inflow, double to
         if (!m_settings.accelerate) {
             here.x = here.next;
         } else if (coarsest) {
-            anderson.step(here.x, here.next, here.scattering, valuesPerRow(), here.sides, history);
+            anderson.step(here.x, here.next);
         } else {
             // The remaining error is r + K r + ..., with r = G(x) - x: r itself, and its scattering, which coarser
             // cells compute.

@@ -7,10 +7,9 @@
 // what a unit of scattering coefficient emits: one number per cell if all phase functions are isotropic, else one for
 // each ordinate. X = G(X), one sweep, is a contraction, but alone it needs a sweep for every order of scattering.
 // Therefore the residual of a sweep is solved for on cells twice as large, where that costs an eighth, and so on down
-// to a few cells, which are solved with Anderson's acceleration (multigrid: A. Brandt, Math. Comp. 31, 1977; D. G.
-// Anderson, J. ACM 12, 1965). Larger cells have other walls, through which a correction would leak, so in grids with
-// walls Anderson's acceleration stands alone. Where walls send light back, what arrives at them is unknown, too, and
-// belongs to X.
+// to a few cells, which are solved with Anderson's acceleration (multigrid: A. Brandt, Math. Comp. 31, 1977). Larger
+// cells have other walls, through which a correction would leak, so in grids with walls Anderson's acceleration stands
+// alone. Where walls send light back, what arrives at them is unknown, too, and belongs to X.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -84,12 +83,12 @@ class TransportSolver {
 
   private:
     struct Level;
-    class Anderson;
 
     void numberRows(Level& level) const;
     void chooseColour(Level& level, std::size_t colour) const;
     void sweep(Level& level, const Real* inflow, bool last);
     void scatter(Level& level) const;
+    double product(const Level& level, const std::vector<Real>& a, const std::vector<Real>& b) const;
     double changeOf(const Level& level) const;
     void start(std::size_t level, const Real* inflow);
     double iterate(std::size_t level, const Real* inflow, double tolerance, int mostSweeps, bool* ahead);
