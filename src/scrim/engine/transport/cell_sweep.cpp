@@ -13,6 +13,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/transport/cell_sweep.cpp"
 #include <hwy/aligned_allocator.h>
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <scrim/engine/simd-inl.h>
 
@@ -26,6 +27,27 @@ using VL = hn::Vec<DL>;
 HWY_ATTR HWY_INLINE VL lanes(const Real* from) {
     return hn::LoadU(DL(), from);
 }
+
+// What cells emit: one value for each cell, or rows of ordinates, which lie far from each other in memory, so that they
+// are fetched ahead.
+struct SameEmission {
+    const Real* source;
+
+    HWY_ATTR VL operator()(std::size_t cell) const { return hn::Set(DL(), source[cell]); }
+    void fetch(std::size_t) const {}
+};
+struct EmissionInRows {
+    const std::int32_t* slots;
+    const Real* rows;
+    std::size_t count;
+
+    HWY_ATTR VL operator()(std::size_t cell) const {
+        return slots[cell] < 0 ? hn::Zero(DL()) : lanes(rows + std::size_t(slots[cell]) * count);
+    }
+    void fetch(std::size_t cell) const {
+        if (slots[cell] >= 0) hwy::Prefetch(rows + std::size_t(slots[cell]) * count);
+    }
+};
 
 // The result of one cell: the radiance in it, and what leaves it along each axis.
 struct Passed {
@@ -87,14 +109,10 @@ class Bundle {
                     const std::int32_t stored = m_sweep.grid->stored(at);
                     if (stored < 0)
                         passEmpty(at);
-                    else if (m_sweep.grid->walled(std::size_t(stored)) >= 0 && m_sweep.notBelowZero)
-                        passBlock<true, true>(at, std::size_t(stored), source, result);
-                    else if (m_sweep.grid->walled(std::size_t(stored)) >= 0)
-                        passBlock<false, true>(at, std::size_t(stored), source, result);
                     else if (m_sweep.notBelowZero)
-                        passBlock<true, false>(at, std::size_t(stored), source, result);
+                        passBlock<true>(at, std::size_t(stored), source, result);
                     else
-                        passBlock<false, false>(at, std::size_t(stored), source, result);
+                        passBlock<false>(at, std::size_t(stored), source, result);
                 }
             }
         }
@@ -121,19 +139,30 @@ class Bundle {
     Real* faceY(int x, int z) { return m_y.get() + (std::size_t(z) * m_acrossX + std::size_t(x)) * m_lanes; }
     Real* faceZ(int x, int y) { return m_z.get() + (std::size_t(y) * m_acrossX + std::size_t(x)) * m_lanes; }
 
-    template <bool kNotBelowZero, bool kWalls, class Source, class Result>
+    template <bool kNotBelowZero, class Source, class Result>
     HWY_ATTR void passBlock(const Int3& at, std::size_t block, const Source& source, const Result& result) {
+        if (m_sweep.grid->walled(block) >= 0)
+            passCells<kNotBelowZero, true>(at, block, source, result);
+        else
+            passCells<kNotBelowZero, false>(at, block, source, result);
+    }
+    template <bool kNotBelowZero, bool kWalls, class Source, class Result>
+    HWY_ATTR void passCells(const Int3& at, std::size_t block, const Source& source, const Result& result) {
         const std::size_t base = block * kBlockCells;
         const WallFaces walls = kWalls ? wallFaces(block) : WallFaces{};
         const VL slopeX = lanes(m_slope[0]), slopeY = lanes(m_slope[1]), slopeZ = lanes(m_slope[2]);
         const VL slopes = hn::Add(slopeX, hn::Add(slopeY, slopeZ));
         const DL d;
+        const VL one = hn::Set(d, Real(1)), two = hn::Set(d, Real(2));
         for (int k = 0; k < kCellEdge; ++k) {
             const int z = m_down[2] ? kCellEdge - 1 - k : k;
             for (int j = 0; j < kCellEdge; ++j) {
                 const int y = m_down[1] ? kCellEdge - 1 - j : j;
                 Real* const intoX = faceX(y, z);
                 VL x = lanes(intoX);
+                const int nextY = m_down[1] ? y - 1 : y + 1;
+                for (int i = 0; j + 1 < kCellEdge && i < kCellEdge; ++i)
+                    source.fetch(base + std::size_t(cellOffset(i, nextY, z)));
                 for (int i = 0; i < kCellEdge; ++i) {
                     const int cx = m_down[0] ? kCellEdge - 1 - i : i;
                     const std::size_t cell = base + std::size_t(cellOffset(cx, y, z));
@@ -150,9 +179,9 @@ class Bundle {
                     // The cell's balance, with outflow = 2 in - inflow and slope = 2 |cosine| / edge.
                     const VL entered =
                         hn::MulAdd(slopeX, x, hn::MulAdd(slopeY, fromY, hn::MulAdd(slopeZ, fromZ, sent)));
-                    const VL in = hn::Div(entered, hn::Add(extinction, slopes));
-                    Passed out{in, hn::Sub(hn::Add(in, in), x), hn::Sub(hn::Add(in, in), fromY),
-                               hn::Sub(hn::Add(in, in), fromZ)};
+                    // The quotient does not wait for the cell before.
+                    const VL in = hn::Mul(entered, hn::Div(one, hn::Add(extinction, slopes)));
+                    Passed out{in, hn::MulSub(two, in, x), hn::MulSub(two, in, fromY), hn::MulSub(two, in, fromZ)};
                     if constexpr (kNotBelowZero) {
                         const VL least = hn::Min(out.x, hn::Min(out.y, out.z));
                         if (!hn::AllTrue(d, hn::Ge(least, hn::Zero(d))))
@@ -289,9 +318,9 @@ HWY_ATTR void passIsotropic(const CellSweep& sweep, int octant, int first, Real*
     Bundle bundle(sweep, octant, first, caught);
     const DL d;
     const VL weight = bundle.weight();
-    bundle.pass([&](std::size_t cell) HWY_ATTR { return hn::Set(d, source[cell]); },
-                [&](std::size_t cell, VL in)
-                    HWY_ATTR { sum[cell] = hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, in))); });
+    bundle.pass(SameEmission{source}, [&](std::size_t cell, VL in) HWY_ATTR {
+        sum[cell] = hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, in)));
+    });
 }
 
 HWY_ATTR void passDirectional(const CellSweep& sweep, int octant, int first, Real* caught, const std::int32_t* slots,
@@ -302,10 +331,9 @@ HWY_ATTR void passDirectional(const CellSweep& sweep, int octant, int first, Rea
     const auto at = [&](std::size_t cell) {
         return radiance + std::size_t(slots[cell]) * count + bundle.firstOrdinate();
     };
-    bundle.pass([&](std::size_t cell) HWY_ATTR { return slots[cell] < 0 ? hn::Zero(d) : lanes(at(cell)); },
-                [&](std::size_t cell, VL in) HWY_ATTR {
-                    if (slots[cell] >= 0) hn::StoreU(in, d, at(cell));
-                });
+    bundle.pass(EmissionInRows{slots, radiance + bundle.firstOrdinate(), count}, [&](std::size_t cell, VL in) HWY_ATTR {
+        if (slots[cell] >= 0) hn::StoreU(in, d, at(cell));
+    });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -337,34 +365,6 @@ void forBundles(const CellSweep& sweep, const Task& task) {
 }
 
 }  // namespace
-
-std::vector<std::uint8_t> bordersOpen(const CellGrid& grid, const Ordinates& ordinates) {
-    const Int3 size = grid.blocks() * kCellEdge;
-    const auto count = std::size_t(ordinates.count());
-    std::vector<std::uint8_t> open((std::size_t(size.y) * std::size_t(size.z) +
-                                    std::size_t(size.x) * std::size_t(size.z) +
-                                    std::size_t(size.x) * std::size_t(size.y)) *
-                                   count);
-    constexpr double kFar = 1e9;  // edges
-    std::size_t face = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-        const std::size_t first = face, faces = std::size_t(size[u]) * std::size_t(size[v]);
-        parallelFor(faces, [&](std::size_t i) {
-            Int3 cell(0);
-            cell[u] = static_cast<int>(i) % size[u];
-            cell[v] = static_cast<int>(i) / size[u];
-            for (std::size_t m = 0; m < count; ++m) {
-                cell[axis] = ordinates.directions[m][axis] < 0 ? size[axis] - 1 : 0;
-                const Vec3 ws = grid.wsInside(cell);
-                open[(first + i) * count + m] =
-                    grid.sees(ws, ws - kFar * grid.edge() * ordinates.directions[m]) ? 1 : 0;
-            }
-        });
-        face += faces;
-    }
-    return open;
-}
 
 void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std::vector<Real>& mean,
                     std::vector<Real>& scratch) {

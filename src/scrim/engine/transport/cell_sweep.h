@@ -30,18 +30,15 @@ struct CellSweep {
     const Real* inflow = nullptr;
     bool notBelowZero = false;
     Simd simd;
-    /// How much of `inflow` gets past walls to each cell at the border (see bordersOpen); empty: all of it.
+    /// Whether `inflow` gets past walls to the cells at the border: 1 or 0 for each ordinate of each face. The faces
+    /// across x are numbered z ny + y, those across y follow as z nx + x, then those across z as y nx + x, with nx, ny
+    /// and nz cells along the edges. nullptr or empty: it does.
     const std::vector<std::uint8_t>* border = nullptr;
     /// One value for each side of the grid's walls (CellGrid::sides): the radiance that comes from there, the mean over
     /// the face. nullptr: no wall sends light back.
     const Real* back = nullptr;
     std::vector<Real>* caught = nullptr;  ///< receives the irradiance on each side divided by pi, before absorption
 };
-
-/// Whether light from outside of all cells gets past the walls of `grid` to the cells at its border: 1 or 0 for each
-/// ordinate of each face. The faces across x are numbered z ny + y, those across y follow as z nx + x, then those
-/// across z as y nx + x, with nx, ny and nz cells along the edges.
-std::vector<std::uint8_t> bordersOpen(const CellGrid& grid, const Ordinates& ordinates);
 
 /// For cells that emit the same in all directions: `source` is their emission, one value for each cell, radiance per
 /// world unit; `mean` receives the mean radiance over all directions, one value for each cell. `scratch` is memory that

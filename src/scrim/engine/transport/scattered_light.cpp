@@ -109,13 +109,9 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
 void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                            const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint) {
     const Ordinates directions = ordinates(plan.ordinates);
-    const bool walls =
-        media.grid.hasWalls() && std::any_of(m_targets.begin(), m_targets.end(),
-                                             [&](const ScatterTarget& target) { return comesIn(scene, target); });
     TransportSolver solver(
         media, classes,
-        {directions, scene.dials.scatterError, 60, true, simd, checkpoint,
-         walls ? bordersOpen(media.grid, directions) : std::vector<std::uint8_t>(), m_kept == Kept::meanAndFlux});
+        {directions, scene.dials.scatterError, 60, true, simd, checkpoint, m_kept == Kept::meanAndFlux});
     m_bytes += solver.bytes();
     const bool eye = m_kept == Kept::towardsEye;
     for (std::size_t t = 0; t < m_targets.size(); ++t) {

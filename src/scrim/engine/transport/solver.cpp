@@ -45,6 +45,35 @@ double sumOf(std::size_t count, const Term& term) {
     return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
+// Whether light from outside of all cells gets past the walls of `grid` to the cells at its border, see CellSweep.
+std::vector<std::uint8_t> bordersOpen(const CellGrid& grid, const Ordinates& ordinates) {
+    const Int3 size = grid.blocks() * kCellEdge;
+    const auto count = std::size_t(ordinates.count());
+    std::vector<std::uint8_t> open((std::size_t(size.y) * std::size_t(size.z) +
+                                    std::size_t(size.x) * std::size_t(size.z) +
+                                    std::size_t(size.x) * std::size_t(size.y)) *
+                                   count);
+    constexpr double kFar = 1e9;  // edges
+    std::size_t face = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+        const std::size_t first = face, faces = std::size_t(size[u]) * std::size_t(size[v]);
+        parallelFor(faces, [&](std::size_t i) {
+            Int3 cell(0);
+            cell[u] = static_cast<int>(i) % size[u];
+            cell[v] = static_cast<int>(i) / size[u];
+            for (std::size_t m = 0; m < count; ++m) {
+                cell[axis] = ordinates.directions[m][axis] < 0 ? size[axis] - 1 : 0;
+                const Vec3 ws = grid.wsInside(cell);
+                open[(first + i) * count + m] =
+                    grid.sees(ws, ws - kFar * grid.edge() * ordinates.directions[m]) ? 1 : 0;
+            }
+        });
+        face += faces;
+    }
+    return open;
+}
+
 }  // namespace
 
 // The cells of one size, with what a solve keeps for them.
@@ -157,7 +186,7 @@ void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
             }
     });
     CellSweep cells{&level.cells().grid, &m_settings.ordinates, level.extinction.data(), inflow, last, m_settings.simd};
-    cells.border = &m_settings.border;
+    cells.border = &m_border;
     const std::size_t first = level.rowCount * values;
     const auto perAlbedo = static_cast<Real>(4 * level.cells().grid.edge());
     m_back.assign(level.source.begin() + std::ptrdiff_t(first), level.source.end());
@@ -312,6 +341,8 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     m_solved = {};
     for (Level& level : m_levels) chooseColour(level, colour);
     const Real* from = inflow.empty() ? nullptr : inflow.data();
+    const CellGrid& grid = m_levels.front().cells().grid;
+    if (from && m_border.empty() && grid.hasWalls()) m_border = bordersOpen(grid, m_settings.ordinates);
     start(0, from);
     // The sweep whose result is visible also shows what remained to be done, unless much of it is below zero.
     Level& finest = m_levels.front();

@@ -50,9 +50,8 @@ class TransportSolver {
         int mostSweeps = 60;       ///< sweeps of the finest cells
         bool accelerate = true;    ///< false: plain iteration, for comparison
         Simd simd;
-        std::function<void()> checkpoint;       ///< called before each sweep; throws to stop
-        std::vector<std::uint8_t> border = {};  ///< see CellSweep
-        bool directional = false;               ///< rows hold all ordinates, even if all phase functions are isotropic
+        std::function<void()> checkpoint;  ///< called before each sweep; throws to stop
+        bool directional = false;          ///< rows hold all ordinates, even if all phase functions are isotropic
     };
     /// `media` and `classes` must outlive this object.
     TransportSolver(const CellMedia& media, const std::vector<ScatterClass>& classes, Settings settings);
@@ -102,6 +101,7 @@ class TransportSolver {
     std::vector<std::vector<Real>> m_matrices;  // for each class, see scatteringMatrix
     std::vector<Level> m_levels;                // starting with the finest
     std::vector<Real> m_mean, m_scratch;        // memory of sweeps, kept because fresh memory is slow
+    std::vector<std::uint8_t> m_border;         // see CellSweep
     std::vector<Real> m_back, m_caught;         // for each side of walls (see CellSweep)
     Solved m_solved;
 };
