@@ -1,29 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/anderson.h>
 
-#include <cmath>
+#include <scrim/base/least_squares.h>
+
 #include <utility>
 
 namespace scrim {
 namespace {
-
-// Least squares by the normal equations, which need no pivots; singular directions count as 0.
-std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<double> b) {
-    const std::size_t n = b.size();
-    for (std::size_t i = 0; i < n; ++i) {
-        if (!(std::abs(a[i][i]) > 0)) continue;
-        for (std::size_t j = i + 1; j < n; ++j) {
-            const double factor = a[j][i] / a[i][i];
-            for (std::size_t k = i; k < n; ++k) a[j][k] -= factor * a[i][k];
-            b[j] -= factor * b[i];
-        }
-    }
-    for (std::size_t i = n; i-- > 0;) {
-        for (std::size_t k = i + 1; k < n; ++k) b[i] -= a[i][k] * b[k];
-        b[i] = std::abs(a[i][i]) > 0 ? b[i] / a[i][i] : 0;
-    }
-    return b;
-}
 
 std::vector<Real> difference(const std::vector<Real>& a, const std::vector<Real>& b) {
     std::vector<Real> out(a.size());
@@ -51,7 +34,7 @@ void AndersonMixing::step(std::vector<Real>& x, const std::vector<Real>& next) {
         matrix[i][i] *= 1 + 1e-10;
         right[i] = m_product(m_steps[i].residual, residual);
     }
-    const std::vector<double> part = solved(matrix, right);
+    const std::vector<double> part = leastSquares(matrix, right);
     x = next;
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t k = 0; k < x.size(); ++k) x[k] -= static_cast<Real>(part[i]) * m_steps[i].next[k];

@@ -25,8 +25,8 @@ struct ScatterClass {
     std::vector<int> volumes;  ///< indices into ViewScene::volumes
 
     bool litBy(std::size_t light) const { return scrim::litBy(lights, light); }
-    /// The moments by which a solve scatters, and the part of the scattering that counts as none.
-    const std::vector<double>& solved() const { return once ? split.whole() : split.spread(); }
+    /// The moments by which light from lights is scattered, and the part of the scattering that counts as none.
+    const std::vector<double>& first() const { return once ? split.whole() : split.first(); }
     double straight() const { return once ? 0 : split.straight(); }
 };
 

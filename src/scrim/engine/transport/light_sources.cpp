@@ -245,7 +245,7 @@ struct Collisions {
         std::vector<std::vector<Real>> even;  // used if the light comes from a single direction
         if (!solver.isotropic() && light.distant())
             for (const ScatterClass& cls : classes)
-                scatteringRow(ordinates, cls.solved(), light.wsDirection, even.emplace_back(values).data(), simd);
+                scatteringRow(ordinates, cls.first(), light.wsDirection, even.emplace_back(values).data(), simd);
         parallelFor(media.grid.storedBlocks().size(), [&](std::size_t block) {
             std::vector<Real> row(values);
             for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
@@ -263,7 +263,7 @@ struct Collisions {
                     }
                     const Real* into = row.data();
                     if (even.empty())
-                        scatteringRow(ordinates, classes[k].solved(), arriving.travel, row.data(), simd);
+                        scatteringRow(ordinates, classes[k].first(), arriving.travel, row.data(), simd);
                     else
                         into = even[k].data();
                     for (std::size_t m = 0; m < values; ++m) to[m] += static_cast<Real>(scattered) * into[m];

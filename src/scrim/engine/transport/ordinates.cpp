@@ -2,6 +2,8 @@
 #include <scrim/engine/transport/ordinates.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/least_squares.h>
+#include <scrim/base/legendre.h>
 
 #include <algorithm>
 #include <array>
@@ -9,9 +11,17 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+
+#ifndef SCRIM_ORDINATES_ONCE
+#define SCRIM_ORDINATES_ONCE
+namespace scrim {
+inline constexpr std::size_t kMostOrdinates = 256;
+}
+#endif
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/transport/ordinates.cpp"
@@ -106,6 +116,31 @@ HWY_ATTR void fillRow(const Ordinates& ordinates, const Real* moments, std::size
     }
 }
 
+// Adds a lobe around `travel` whose sum with the ordinates' weights is `sum`: the series that is a line with ever
+// more terms, times a power of (1 + cosine) / 2. That takes away its waves far from the line, and leaves its low
+// moments.
+HWY_ATTR void addLobe(const Ordinates& ordinates, const std::vector<Real>& ones, const Vec3& travel, Real sum,
+                      Real* row) {
+    const D8 d;
+    HWY_ALIGN Real lobe[kMostOrdinates];
+    fillRow(ordinates, ones.data(), ones.size(), travel, lobe);
+    const auto x = hn::Set(d, static_cast<Real>(0.5 * travel.x)), y = hn::Set(d, static_cast<Real>(0.5 * travel.y));
+    const auto z = hn::Set(d, static_cast<Real>(0.5 * travel.z)), half = hn::Set(d, Real(0.5));
+    auto all = hn::Zero(d);
+    for (std::size_t m = 0; m < std::size_t(ordinates.count()); m += hn::Lanes(d)) {
+        auto window = hn::MulAdd(x, hn::LoadU(d, ordinates.axes[0].data() + m),
+                                 hn::MulAdd(y, hn::LoadU(d, ordinates.axes[1].data() + m),
+                                            hn::MulAdd(z, hn::LoadU(d, ordinates.axes[2].data() + m), half)));
+        for (int power = 1; power < ordinates.count() / 16; power *= 2) window = hn::Mul(window, window);
+        const auto value = hn::Mul(window, hn::LoadU(d, lobe + m));
+        hn::StoreU(value, d, lobe + m);
+        all = hn::MulAdd(value, hn::LoadU(d, ordinates.weightRow.data() + m), all);
+    }
+    const auto factor = hn::Set(d, sum / hn::GetLane(hn::SumOfLanes(d, all)));
+    for (std::size_t m = 0; m < std::size_t(ordinates.count()); m += hn::Lanes(d))
+        hn::StoreU(hn::MulAdd(factor, hn::LoadU(d, lobe + m), hn::LoadU(d, row + m)), d, row + m);
+}
+
 HWY_ATTR Real weightedSum(const Ordinates& ordinates, const Real* a, const Real* b) {
     const D8 d;
     auto sum = hn::Zero(d);
@@ -125,37 +160,14 @@ namespace scrim {
 HWY_EXPORT(signedSums);
 HWY_EXPORT(multiplyRows);
 HWY_EXPORT(fillRow);
+HWY_EXPORT(addLobe);
 HWY_EXPORT(weightedSum);
 
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr std::size_t kMost = 256, kMostResolved = 32;  // most ordinates, and moments
-constexpr std::size_t kRowsTogether = 4;                // as multiplyRows takes them
-
-struct Node {
-    double cosine, weight;  // weights sum to 2
-};
-
-// Gauss-Legendre quadrature on [-1, 1]: roots of Legendre's polynomial by Newton's method, descending.
-std::vector<Node> gaussLegendre(int n) {
-    std::vector<Node> nodes;
-    for (int i = 0; i < n; ++i) {
-        double x = std::cos(kPi * (i + 0.75) / (n + 0.5)), slope = 1;
-        for (int step = 0; step < 20; ++step) {
-            double value = 1, before = 0;
-            for (int j = 0; j < n; ++j) {
-                const double next = ((2 * j + 1) * x * value - j * before) / (j + 1);
-                before = value;
-                value = next;
-            }
-            slope = n * (x * value - before) / (x * x - 1);
-            x -= value / slope;
-        }
-        nodes.push_back({x, 2 / ((1 - x * x) * slope * slope)});
-    }
-    return nodes;
-}
+constexpr std::size_t kMostResolved = 32;  // moments
+constexpr std::size_t kRowsTogether = 4;   // as multiplyRows takes them
 
 // The number of angles in a quarter turn at each level, from the pole to the equator.
 std::vector<int> anglesOf(int count) {
@@ -171,30 +183,17 @@ std::vector<int> anglesOf(int count) {
     }
 }
 
-// Calls term(l, P_l(cosine)) for the first `count` Legendre polynomials.
-template <class Term>
-void forPolynomials(std::size_t count, double cosine, const Term& term) {
-    double before = 0, polynomial = 1;
-    for (std::size_t l = 0; l < count; ++l) {
-        term(l, polynomial);
-        const auto n = static_cast<double>(l);
-        const double next = ((2 * n + 1) * cosine * polynomial - n * before) / (n + 1);
-        before = polynomial;
-        polynomial = next;
-    }
-}
-
 }  // namespace
 
 Ordinates ordinates(int count) {
     const std::vector<int> angles = anglesOf(count);
-    const std::vector<Node> levels = gaussLegendre(2 * static_cast<int>(angles.size()));
+    const std::vector<QuadraturePoint> levels = gaussLegendre(2 * static_cast<int>(angles.size()));
     Ordinates out;
     out.perOctant = count / 8;
     for (int octant = 0; octant < 8; ++octant)
         for (std::size_t level = 0; level < angles.size(); ++level)
             for (int a = 0; a < angles[level]; ++a) {
-                const double z = levels[level].cosine, across = std::sqrt(1 - z * z);
+                const double z = levels[level].x, across = std::sqrt(1 - z * z);
                 const double angle = kPi / 2 * (a + 0.5) / angles[level];
                 Vec3 direction(across * std::cos(angle), across * std::sin(angle), z);
                 for (int axis = 0; axis < 3; ++axis)
@@ -243,7 +242,7 @@ std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const std::vector
             for (std::size_t octant = 0; octant < 8; ++octant) {
                 values[octant] = 0;
                 const Vec3& to = ordinates.directions[octant * perOctant + m];
-                forPolynomials(moments.size(), glm::dot(ordinates.directions[n], to), [&](std::size_t l, double p) {
+                forLegendre(moments.size(), glm::dot(ordinates.directions[n], to), [&](std::size_t l, double p) {
                     values[octant] += ordinates.weights[n] * (2 * double(l) + 1) * moments[l] * p / (4 * kPi);
                 });
             }
@@ -262,7 +261,7 @@ void mixOrdinates(const std::vector<std::vector<Real>>& matrices, const std::vec
                   std::size_t begin, std::size_t end, std::size_t count, Real* rows, Simd simd) {
     const auto multiply = SCRIM_ON_TARGET(simd, multiplyRows);
     const auto sums = SCRIM_ON_TARGET(simd, signedSums);
-    std::array<Real, kRowsTogether * kMost> turned, scattered;
+    std::array<Real, kRowsTogether * kMostOrdinates> turned, scattered;
     for (std::size_t row = begin; row < end; row += kRowsTogether) {
         const std::size_t here = std::min(kRowsTogether, end - row);
         for (std::size_t r = 0; r < kRowsTogether; ++r)
@@ -283,6 +282,15 @@ void scatteringRow(const Ordinates& ordinates, const std::vector<double>& moment
     std::array<Real, kMostResolved> scaled;
     for (std::size_t l = 0; l < moments.size(); ++l) scaled[l] = static_cast<Real>(moments[l] / (4 * kPi));
     SCRIM_ON_TARGET(simd, fillRow)(ordinates, scaled.data(), moments.size(), travel, row);
+}
+
+void gatheringRow(const Ordinates& ordinates, const SplitPhase& phase, const Vec3& travel, Real* row, Simd simd) {
+    std::vector<double> rest = phase.spread();
+    for (double& moment : rest) moment *= 1 - phase.straight();
+    scatteringRow(ordinates, rest, travel, row, simd);
+    if (phase.straight() == 0) return;
+    const std::vector<Real> ones(rest.size(), 1);
+    SCRIM_ON_TARGET(simd, addLobe)(ordinates, ones, travel, static_cast<Real>(phase.straight()), row);
 }
 
 Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd) {
@@ -307,11 +315,44 @@ Phase heldLobes(Phase phase) {
 
 }  // namespace
 
+namespace {
+
+// Moments of which the first two are `moments`. The series of all of them, times 1 - straight, is as close as can be to
+// the phase function at angles beyond kLobe, relative to it.
+std::vector<double> besideLobe(const Phase& phase, std::vector<double> moments, double straight) {
+    constexpr std::size_t kKept = 2;
+    constexpr double kLobe = 0.35;
+    constexpr int kSteps = 720;
+    const std::size_t free = moments.size() - kKept;
+    std::vector<std::vector<double>> matrix(free, std::vector<double>(free, 0.0));
+    std::vector<double> right(free, 0.0), terms(free);
+    for (int i = static_cast<int>(kLobe / kPi * kSteps); i < kSteps; ++i) {
+        const double angle = kPi * (i + 0.5) / kSteps, value = phaseValue(phase, std::cos(angle));
+        double left = 1;  // relative to the value, as all terms
+        forLegendre(moments.size(), std::cos(angle), [&](std::size_t l, double p) {
+            const double term = (2 * double(l) + 1) * p * (1 - straight) / (4 * kPi * value);
+            if (l < kKept)
+                left -= term * moments[l];
+            else
+                terms[l - kKept] = term;
+        });
+        for (std::size_t r = 0; r < free; ++r) {
+            right[r] += std::sin(angle) * terms[r] * left;
+            for (std::size_t c = 0; c < free; ++c) matrix[r][c] += std::sin(angle) * terms[r] * terms[c];
+        }
+    }
+    const std::vector<double> found = leastSquares(std::move(matrix), std::move(right));
+    std::copy(found.begin(), found.end(), moments.begin() + std::ptrdiff_t(kKept));
+    return moments;
+}
+
+}  // namespace
+
 SplitPhase::SplitPhase(const Phase& given, int ordinates) {
     constexpr double kLittle = 1e-3;  // what goes straight on below this is not worth a table
     const Phase phase = heldLobes(given);
     const int resolved = resolvedMoments(ordinates);
-    m_spread = m_whole = legendreMoments(phase, resolved);
+    m_spread = m_first = m_whole = legendreMoments(phase, resolved);
     if (phase.type == PhaseType::rayleigh) return;
     // Light goes straight on forwards only: what is left of backward lobes is cut off.
     const Phase forwards{std::max(phase.g, 0.0), phase.type, std::max(phase.g2, 0.0), phase.blend};
@@ -319,6 +360,7 @@ SplitPhase::SplitPhase(const Phase& given, int ordinates) {
     if (m_straight < kLittle) m_straight = 0;
     if (m_straight == 0) return;
     for (double& moment : m_spread) moment = (moment - m_straight) / (1 - m_straight);
+    m_first = ordinates == int(kMostOrdinates) ? besideLobe(phase, m_spread, m_straight) : m_spread;
     const std::vector<double> all = legendreMoments(phase, kMostMoments);
     m_table.resize(std::size_t(kDepths) * kAngles);
     parallelFor(kDepths, [&](std::size_t i) {
@@ -326,7 +368,8 @@ SplitPhase::SplitPhase(const Phase& given, int ordinates) {
         const double depth = i + 1 < kDepths ? part / (1 - part) : 1e6;
         std::vector<double> weights;
         for (std::size_t l = 0; l < all.size(); ++l) {
-            const double narrow = l < m_spread.size() ? 1 : all[l] / m_straight;
+            const double rest = l < m_first.size() ? (1 - m_straight) * m_first[l] : 0;
+            const double narrow = (all[l] - rest) / m_straight;
             weights.push_back(double(2 * l + 1) / (4 * kPi) * all[l] *
                               (std::exp(depth * (narrow - 1)) - std::exp(-depth)));
             if (l > m_spread.size() && std::abs(all[l]) * double(2 * l + 1) < kLeastMoment) break;
@@ -334,8 +377,7 @@ SplitPhase::SplitPhase(const Phase& given, int ordinates) {
         for (int a = 0; a < kAngles; ++a) {
             const double sine = double(a) / (kAngles - 1);
             double sum = 0;
-            forPolynomials(weights.size(), 1 - 2 * sine * sine,
-                           [&](std::size_t l, double p) { sum += weights[l] * p; });
+            forLegendre(weights.size(), 1 - 2 * sine * sine, [&](std::size_t l, double p) { sum += weights[l] * p; });
             m_table[i * kAngles + std::size_t(a)] = static_cast<float>(sum);
         }
     });

@@ -70,6 +70,16 @@ void scatteringRow(const Ordinates& ordinates, const std::vector<double>& moment
 /// The weighted sum of a row of radiance along ordinates.
 Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd);
 
+class SplitPhase;
+
+/// What an eye that light reaches along `travel` sees of each ordinate's radiance, as scatteringRow has it for the sum
+/// with the ordinates' weights. The series of a narrow lobe has waves on all sides: with g = 0.9 and ten moments it is
+/// -6 times the phase function in the direction back. Therefore what continues straight on is gathered from ordinates
+/// around `travel` only. With that and SplitPhase::first(), the differences to 1,024 ordinates, in smoke of g = 0.9
+/// lit from the eye's side, from aside and from behind, became 1.5, 1.3 and 2.3 % with 256 ordinates (before: 7.1, 2.6
+/// and 2.4 %), and for g = 0.75 0.8, 1.3 and 1.6 % with 64 (1.3, 1.7 and 1.7 %).
+void gatheringRow(const Ordinates& ordinates, const SplitPhase& phase, const Vec3& travel, Real* row, Simd simd);
+
 /// Splits a phase function whose lobes are too narrow for the ordinates: part of the light continues straight on as if
 /// it had not been scattered, and all moments that the ordinates resolve are preserved (W. J. Wiscombe, The Delta-M
 /// Method, J. Atmos. Sci. 34, 1977). The light of a beam that continued straight on is shown to the eye without this
@@ -83,20 +93,24 @@ class SplitPhase {
     double straight() const { return m_straight; }
     /// The moments of the rest.
     const std::vector<double>& spread() const { return m_spread; }
+    /// The moments by which light from a light is scattered for the first time. It comes from one direction, which no
+    /// ordinates resolve. With most of kOrdinateCounts, these are not those of the rest: the first two are, and the
+    /// others make the series most like the phase function away from its lobe, relative to it.
+    const std::vector<double>& first() const { return m_first; }
     /// The moments of both that the ordinates resolve.
     const std::vector<double>& whole() const { return m_whole; }
 
     /// The light of a beam, relative to the beam, that was scattered before and is now scattered, per steradian, in a
     /// direction at cosine `cosTheta` to the beam. The beam has passed the optical depth `depth` of scattering straight
     /// on. In the solve it is as narrow as before, but its true light is not: each time, it is spread by the phase
-    /// function minus its moments in `spread`. In Legendre's polynomials the repeated spreading is a product, and the
+    /// function minus its moments in `first`. In Legendre's polynomials the repeated spreading is a product, and the
     /// sum over the number of times is an exponential. The difference may be below zero far from the beam, and then so
     /// is the result; this preserves its sum.
     double scatteredAgain(double depth, double cosTheta) const;
 
   private:
     double m_straight = 0;
-    std::vector<double> m_spread, m_whole;
+    std::vector<double> m_spread, m_first, m_whole;
     std::vector<float> m_table;  // over depth and angle, see ordinates.cpp
 };
 

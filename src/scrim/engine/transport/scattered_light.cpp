@@ -193,7 +193,6 @@ std::vector<Real> ScatteredLight::scatteredOnce(const CellMedia& media, const st
 void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver, const SplitPhase& phase,
                           const Real* straight, const Ordinates& directions, Simd simd, const Rgb& colours,
                           CellField& field) const {
-    const std::vector<double> moments = m_kept == Kept::towardsEye ? phase.whole() : std::vector<double>{1};
     const std::size_t values = solver.valuesPerRow();
     parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
         std::vector<Real> row(values);
@@ -204,7 +203,11 @@ void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver,
             const Real* radiance = solver.radiance().data() + std::size_t(at) * values;
             double seen = double(*radiance);
             if (!solver.isotropic()) {
-                scatteringRow(directions, moments, travelToEye(scene.camera, m_grid->wsCenter(cell)), row.data(), simd);
+                const Vec3 travel = travelToEye(scene.camera, m_grid->wsCenter(cell));
+                if (m_kept == Kept::towardsEye)
+                    gatheringRow(directions, phase, travel, row.data(), simd);
+                else
+                    scatteringRow(directions, {1}, travel, row.data(), simd);
                 seen = double(gathered(directions, row.data(), radiance, simd));
             }
             if (straight) seen += double(straight[at]);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -44,26 +45,58 @@ TEST(SplitPhase, LosesNothingAndKeepsAllMomentsThatOrdinatesResolve) {
 // function's own powers, and of the series of the lobe that is taken away.
 TEST(SplitPhase, SpreadsABeamAsRepeatedScatteringDoes) {
     const Phase phase{0.85};
-    const SplitPhase split(phase, 64);
-    const double f = split.straight();
     constexpr std::size_t kTerms = 200;
-    for (const double depth : {0.2, 1.0, 3.0})
-        for (const double cosine : {0.98, 0.8, 0.3, -0.5}) {
-            double sum = 0;
-            for (std::size_t l = 0; l < kTerms; ++l) {
-                const double all = std::pow(phase.g, double(l));
-                const double rest = l < split.spread().size() ? split.spread()[l] : 0;
-                double narrow = 1, times = 0, poisson = std::exp(-depth);
-                for (int n = 1; n < 40; ++n) {
-                    poisson *= depth / n;
-                    narrow *= (all - (1 - f) * rest) / f;
-                    times += poisson * narrow;
+    for (const int ordinates : kOrdinateCounts) {
+        const SplitPhase split(phase, ordinates);
+        const double f = split.straight();
+        for (const double depth : {0.2, 1.0, 3.0})
+            for (const double cosine : {0.98, 0.8, 0.3, -0.5}) {
+                double sum = 0;
+                for (std::size_t l = 0; l < kTerms; ++l) {
+                    const double all = std::pow(phase.g, double(l));
+                    const double rest = l < split.first().size() ? split.first()[l] : 0;
+                    double narrow = 1, times = 0, poisson = std::exp(-depth);
+                    for (int n = 1; n < 40; ++n) {
+                        poisson *= depth / n;
+                        narrow *= (all - (1 - f) * rest) / f;
+                        times += poisson * narrow;
+                    }
+                    sum +=
+                        (2 * double(l) + 1) / (4 * kPi) * all * times * std::legendre(static_cast<unsigned>(l), cosine);
                 }
-                sum += (2 * double(l) + 1) / (4 * kPi) * all * times * std::legendre(static_cast<unsigned>(l), cosine);
+                EXPECT_NEAR(split.scatteredAgain(depth, cosine), sum, 0.01 * std::abs(sum) + 2e-3)
+                    << depth << " " << cosine;
             }
-            EXPECT_NEAR(split.scatteredAgain(depth, cosine), sum, 0.01 * std::abs(sum) + 2e-3)
-                << depth << " " << cosine;
+    }
+}
+
+// With most ordinates, light is scattered for the first time as the phase function says, but for its lobe. The series
+// of its own moments is far from it, and below zero.
+TEST(SplitPhase, ScattersFirstAsThePhaseFunctionBesideItsLobe) {
+    for (const double g : {0.75, 0.85, 0.9, 0.95}) {
+        const Phase phase{g};
+        const SplitPhase split(phase, kOrdinateCounts[2]);
+        const double f = split.straight();
+        for (std::size_t l = 0; l < 2; ++l) EXPECT_DOUBLE_EQ(split.first()[l], split.spread()[l]);
+        double own = 0, first = 0, all = 0, least = 1;
+        for (double angle = 0.5; angle < kPi; angle += 0.01) {
+            double series[2] = {0, 0};
+            for (std::size_t l = 0; l < split.first().size(); ++l) {
+                const double term = (1 - f) * (2 * double(l) + 1) / (4 * kPi) *
+                                    std::legendre(static_cast<unsigned>(l), std::cos(angle));
+                series[0] += term * split.spread()[l];
+                series[1] += term * split.first()[l];
+            }
+            const double exact = phaseValue(phase, std::cos(angle));
+            own += std::pow(series[0] / exact - 1, 2);
+            first += std::pow(series[1] / exact - 1, 2);
+            least = std::min(least, series[1] / exact);
+            ++all;
         }
+        EXPECT_LT(std::sqrt(first / all), 0.4) << g;  // 0.06 for g = 0.75
+        EXPECT_GT(std::sqrt(own / all), 4 * std::sqrt(first / all)) << g;
+        EXPECT_GT(least, 0) << g;
+    }
 }
 
 }  // namespace
