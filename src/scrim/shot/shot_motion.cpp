@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/shot/shot_motion.h>
 
+#include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/scene/field_rays.h>
 #include <scrim/scene/quality.h>
 #include <scrim/shot/moved_field.h>
 #include <scrim/shot/view_motion.h>
+#include <scrim/verify/moment_dials.h>
 #include <scrim/verify/pilot_picture.h>
 #include <scrim/volume/coarser.h>
 
@@ -25,6 +27,7 @@ namespace scrim {
 namespace {
 
 constexpr int kMostSamples = 128;
+constexpr double kBlurPart = 0.7;  // of the promised error; squares of this and of what texels and sheets leave add up
 
 // The mean of frames of equal weight.
 class MeanFrame {
@@ -302,6 +305,8 @@ ShotMotion::ShotMotion(const LoadedShot& shot, const RenderOptions& options) : m
     m_path = longestPath();
     const std::optional<int>& samples = shot.scene.dials.shutterSamples;
     m_samples = samples ? *samples : samplesFor(m_path);
+    m_middle = viewAt(middle());
+    chooseDials();
 }
 
 ShotMotion::~ShotMotion() = default;
@@ -314,7 +319,7 @@ ViewScene ShotMotion::viewAt(double t) const {
 }
 
 ViewScene ShotMotion::view() const {
-    ViewScene view = moves() ? viewAt(middle()) : m_shot.view(m_options, m_shot.scene.dials.lod, VolumesOf::picture);
+    ViewScene view = moves() ? m_middle : m_shot.view(m_options, m_shot.scene.dials.lod, VolumesOf::picture);
     if (m_shot.scene.shutter) view.shutter = ViewShutter{m_shutter.open, m_shutter.close, m_samples, m_path, moves()};
     return view;
 }
@@ -378,16 +383,38 @@ double ShotMotion::longestPath() {
     return std::min(*std::max_element(paths.begin(), paths.end()) + (wsWay + lights) / pixel, most);
 }
 
-int ShotMotion::samplesFor(double path) const {
+double ShotMotion::promised() const {
     const Scene& scene = m_shot.scene;
-    // Motion blur may take this part of the promised error, since a mean of moments has about half the error of each:
-    // texels and sheets lie differently in them. Steps of one voxel are off by about 1.2 % of a cloud that is sharp at
-    // every voxel, and steps of s voxels by s^2 times that; the hard edges of solids by about a fifth of a step. That
-    // is the most renders; most pictures need far fewer.
-    constexpr double kShare = 0.7, kOfVoxelSteps = 0.012, kOfHardSteps = 0.14, kLeast = 4;
     const bool classified =
         std::any_of(scene.volumes.begin(), scene.volumes.end(), [](const auto& v) { return v.classified != nullptr; });
-    const double error = kShare * (scene.tolerance > 0 ? scene.tolerance : promisedError(scene.quality, classified));
+    return scene.tolerance > 0 ? scene.tolerance : promisedError(scene.quality, classified);
+}
+
+// In most scenes the dials of a preset leave a third to a half of the error that it promises. Pilots of the scene at
+// hand tell what they leave in it, if there are enough moments to pay for these.
+void ShotMotion::chooseDials() {
+    constexpr int kFewest = 4;
+    const Scene& scene = m_shot.scene;
+    if (!scene.keepsPromise || m_samples < kFewest) return;
+    // Surfaces and the edges of solids' shadows have bounds of their own.
+    if (anyClassified(m_middle) || solidsBlock(m_middle)) return;
+    const ProgressSink waits = partOf(m_options.progress, 0, 0);
+    const double allowed = std::sqrt(1 - kBlurPart * kBlurPart) * promised();
+    try {
+        m_middle.dials = momentDials(m_middle, momentModel(m_middle, waits), allowed, waits);
+    } catch (const Error& error) {
+        // A crop may need less memory than pilots of the whole picture; it then has the dials of a still.
+        if (error.kind() != ErrorKind::memory) throw;
+    }
+}
+
+// Motion blur may take kBlurPart of the error that is promised.
+int ShotMotion::samplesFor(double path) const {
+    // Steps of one voxel are off by about 1.2 % of a cloud that is sharp at every voxel, and steps of s voxels by s^2
+    // times that; the hard edges of solids by about a fifth of a step. That is the most renders; most pictures need far
+    // fewer.
+    constexpr double kOfVoxelSteps = 0.012, kOfHardSteps = 0.14, kLeast = 4;
+    const double error = kBlurPart * promised();
     double most = std::max(path / m_voxelPixels / std::sqrt(error / kOfVoxelSteps), kLeast);
     if (m_shot.solids) most = std::max(most, kOfHardSteps / error);
     const double wanted = std::min(wantedSamples(error, most), most);
@@ -436,7 +463,8 @@ Frame ShotMotion::render(const ViewScene& view, const ProgressSink& progress) co
     // Half of the tolerance is for each moment, and half for their mean.
     MeanFrame mean(m_samples, view.deep ? 0.5 * view.deep->tolerance : 0);
     for (int i = 0; i < m_samples; ++i) {
-        ViewScene moment = viewAt(timeOf(i, m_samples));
+        const bool middle = 2 * i + 1 == m_samples;
+        ViewScene moment = middle ? m_middle : viewAt(timeOf(i, m_samples));
         moment.dials = view.dials;
         if (view.deep) moment.deep = ViewDeep{0.5 * view.deep->tolerance};
         moment.memoryLimit = limitBeside(moment.memoryLimit, mean.deepBytes());
