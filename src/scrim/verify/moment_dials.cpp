@@ -44,9 +44,12 @@ double coefficient(const Image& coarse, const Image& fine, double dial, double t
     return of / std::sqrt(a * a + b * b - 2 * kAlike * a * b);
 }
 
-// A dial coarser by so many steps of a tenth. Frames of a shot seldom differ by one.
-double stepped(double dial, int steps) {
-    return std::round(100 * dial * std::pow(1.1, steps)) / 100;
+// No moment gets coarser dials than these, in voxels, as no still does (promise.cpp).
+constexpr double kCoarsestTexel = 2, kCoarsestSheets = 4;
+
+// A dial coarser by so many steps of a tenth, up to `coarsest`. Frames of a shot seldom differ by one.
+double stepped(double dial, int steps, double coarsest) {
+    return std::max(dial, std::min(std::round(100 * dial * std::pow(1.1, steps)) / 100, coarsest));
 }
 
 }  // namespace
@@ -68,12 +71,12 @@ Dials momentDials(const ViewScene& moment, const ToleranceModel& model, double a
     Dials best = given;
     double least = std::numeric_limits<double>::infinity();
     for (int texels = 0; texels <= kMostSteps; ++texels) {
-        tried.dials.texel = stepped(given.texel, texels);
+        tried.dials.texel = stepped(given.texel, texels, kCoarsestTexel);
+        const auto thickness = [&](int steps) { return stepped(given.sheetThickness, steps, kCoarsestSheets); };
         int sheets = kMostSteps;
-        while (sheets >= 0 && model.predict(tried.dials.texel, stepped(given.sheetThickness, sheets)) > allowed)
-            --sheets;
+        while (sheets >= 0 && model.predict(tried.dials.texel, thickness(sheets)) > allowed) --sheets;
         if (sheets < 0) break;
-        tried.dials.sheetThickness = stepped(given.sheetThickness, sheets);
+        tried.dials.sheetThickness = thickness(sheets);
         // One thread, so that the choice does not depend on their number.
         const double seconds = expectedSeconds(tried, makePlan(tried, 1, progress), 1);
         if (seconds < least) best = tried.dials;

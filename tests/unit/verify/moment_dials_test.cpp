@@ -35,6 +35,15 @@ TEST(MomentDials, KeepToTheAllowedErrorAndAreNeverFiner) {
     EXPECT_GT(cells, 8 * 0.3 * 0.3 * 0.4);  // about three times as coarse each, where almost any error is allowed
 }
 
+TEST(MomentDials, AreNoCoarserThanThoseOfAnyStill) {
+    ViewScene scene = smokeScene();
+    scene.dials.texel = 1;
+    scene.dials.sheetThickness = 5;  // as a scene may state it
+    const Dials dials = momentDials(scene, {1e-6, 1e-6}, 0.03);
+    EXPECT_EQ(dials.texel, 2);
+    EXPECT_EQ(dials.sheetThickness, 5);
+}
+
 TEST(MomentDials, DoNotDependOnCropsOrMemory) {
     const ViewScene scene = smokeScene();
     ViewScene crop = scene;
