@@ -214,10 +214,14 @@ bool isVerified(const Scene& scene, const RenderOptions& options) {
     return options.verify > 0 || scene.tolerance > 0;
 }
 
-ShotPlan planLoaded(const LoadedShot& shot, const RenderOptions& options) {
+PlannedShot planLoaded(const LoadedShot& shot, const RenderOptions& options) {
     const ViewScene view = withDeep(ShotMotion(shot, options).view(), shot.scene.output);
     const Plan plan = makePlan(view, threadCount(), partOf(options.progress, 0, 0));
-    return {false, planAsJson(view, plan), planAsTable(view, plan), bytesOf(shot.fields)};
+    Dials dials = shot.scene.dials;
+    const bool coarser = view.dials.texel != dials.texel || view.dials.sheetThickness != dials.sheetThickness;
+    dials.texel = view.dials.texel;
+    dials.sheetThickness = view.dials.sheetThickness;
+    return {{false, planAsJson(view, plan), planAsTable(view, plan), bytesOf(shot.fields)}, dials, coarser};
 }
 
 Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotReport& report,

@@ -15,8 +15,14 @@ namespace scrim {
 /// True if the picture is compared with the reference.
 bool isVerified(const Scene& scene, const RenderOptions& options);
 
+struct PlannedShot {
+    ShotPlan plan;
+    Dials dials;           ///< of the render, or of each render that motion blur averages
+    bool coarser = false;  ///< these have other texels or sheets than a still of the scene would
+};
+
 /// The plan of the render, without rendering. Throws Error.
-ShotPlan planLoaded(const LoadedShot& shot, const RenderOptions& options);
+PlannedShot planLoaded(const LoadedShot& shot, const RenderOptions& options);
 
 /// Renders, and verifies or keeps a tolerance. Fills in `report` except for the parts about loading and files. Calls
 /// `begins` with the bytes of its buffers before each render; there may be several. Throws Error.

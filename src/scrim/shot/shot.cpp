@@ -45,15 +45,16 @@ void warmLoaderOf(const LoadOptions& load, LoadedFiles files = LoadedFiles::volu
     if (load.volumes == VolumeLoading::guarded) warmLoader(load.loader, files);
 }
 
-std::string promiseText(const std::string& preset, const PromisedDials& promised, const std::string& block) {
+std::string promiseText(const std::string& preset, const PromisedDials& promised, const Dials& dials, bool ofMoments) {
     std::string scattering;
     if (const auto& s = promised.scattering)
         scattering = fmt::format(
             "{:<23} '{}' promises {:.2g} % of error in means over {} x {} pixels, and {:.2g} % are "
             "expected: {}\n",
             "", preset, 100 * s->promised, kScatteringMean, kScatteringMean, 100 * s->choice.expected, s->choice.why);
-    return fmt::format("{:<23} '{}' promises {:.2g} % of error; for it, and for every frame of the shot:\n{}{}",
-                       "preset", preset, 100 * promised.promised, block, scattering);
+    return fmt::format("{:<23} '{}' promises {:.2g} % of error; for it, and for every {}:\n{}{}", "preset", preset,
+                       100 * promised.promised, ofMoments ? "render of this frame's motion blur" : "frame of the shot",
+                       renderBlock(dials), scattering);
 }
 
 /// True if the cells or directions of multiply scattered light are to be chosen.
@@ -205,10 +206,10 @@ ShotPlan Shot::Content::plan(Scene scene, const RenderOptions& options) {
     keepPromise(scene, options, ShotUse::plan);
     const auto loaded = loadOnce(std::move(scene), options, VolumesOf::picture, ShotUse::plan);
     if (loaded) {
-        ShotPlan plan = planLoaded(*loaded, options);
+        PlannedShot planned = planLoaded(*loaded, options);
         if (loaded->scene.keepsPromise && promised)
-            plan.table += promiseText(loaded->scene.quality, promised->second, renderBlock(loaded->scene.dials));
-        return plan;
+            planned.plan.table += promiseText(loaded->scene.quality, promised->second, planned.dials, planned.coarser);
+        return std::move(planned.plan);
     }
     ShotPlan skipped;
     skipped.skipped = true;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/shot/shot_motion.h>
 
+#include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/scene/field_rays.h>
 #include <scrim/scene/quality.h>
+#include <scrim/shot/mean_frame.h>
 #include <scrim/shot/moved_field.h>
 #include <scrim/shot/view_motion.h>
+#include <scrim/verify/moment_dials.h>
 #include <scrim/verify/pilot_picture.h>
 #include <scrim/volume/coarser.h>
 
@@ -25,93 +28,7 @@ namespace scrim {
 namespace {
 
 constexpr int kMostSamples = 128;
-
-// The mean of frames of equal weight.
-class MeanFrame {
-  public:
-    // `deepTolerance`: how much the deep picture may change because its samples are merged.
-    explicit MeanFrame(int count, double deepTolerance = 0)
-        : m_weight(1.0f / static_cast<float>(count)), m_deepTolerance(deepTolerance) {}
-
-    void add(Frame frame) {
-        if (m_mean.image.rgba.empty()) start(frame);
-        addTo(m_mean.image.rgba, frame.image.rgba);
-        for (std::size_t i = 0; i < m_mean.layers.size(); ++i) {
-            if (m_mean.layers[i].layer == Layer::motion)
-                addMotion(m_mean.layers[i].data, frame.layers[i].data, frame.image);
-            else if (m_mean.layers[i].layer == Layer::depth)
-                addDepth(m_mean.layers[i].data, frame.layers[i].data, frame.image);
-            else
-                addTo(m_mean.layers[i].data, frame.layers[i].data);
-        }
-        if (frame.deep) addDeep(*frame.deep);
-        m_mean.work += frame.work;
-        m_mean.times += frame.times;
-        m_mean.scatterChange = std::max(m_mean.scatterChange, frame.scatterChange);
-        m_mean.scatterConverged = m_mean.scatterConverged && frame.scatterConverged;
-    }
-    std::size_t deepBytes() const { return m_mean.deep ? m_mean.deep->bytes() : 0; }
-    /// The mean of the `count` frames that were added so far.
-    Image soFar(int count) const {
-        Image image = m_mean.image;
-        for (float& value : image.rgba) value /= m_weight * static_cast<float>(count);
-        return image;
-    }
-    Frame take() {
-        for (FrameLayer& layer : m_mean.layers)
-            for (std::size_t i = 0; layer.layer == Layer::motion && i < layer.data.size(); ++i)
-                if (const float alpha = m_mean.image.rgba[i / 2 * 4 + 3]; alpha > 0) layer.data[i] /= alpha;
-        for (FrameLayer& layer : m_mean.layers)
-            for (std::size_t i = 0; layer.layer == Layer::depth && i < m_alpha.size(); ++i)
-                if (m_alpha[i] > 0) layer.data[2 * i + 1] /= m_alpha[i];
-        if (const std::optional<DeepImage>& deep = m_mean.deep)
-            m_mean.deep = deepImage(deep->window, [&](int x, int y) {
-                const std::span<const DeepPiece> curve = deep->curve(x, y);
-                return tidied(merged({curve.begin(), curve.end()}, 0.5 * m_deepTolerance));
-            });
-        return std::move(m_mean);
-    }
-
-  private:
-    void start(const Frame& frame) {
-        m_mean.image = emptyImage(frame.image.window);
-        m_alpha.resize(frame.image.rgba.size() / 4);
-        for (const FrameLayer& layer : frame.layers)
-            m_mean.layers.push_back({layer.layer, layer.light, std::vector<float>(layer.data.size()), layer.volume});
-    }
-    void addTo(std::vector<float>& sum, const std::vector<float>& values) const {
-        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_weight * values[i];
-    }
-    // What is in front of a depth is the mean of what is in front of it at each moment.
-    void addDeep(const DeepImage& next) {
-        const double step = 0.5 * m_deepTolerance * double(m_weight);
-        m_mean.deep = deepImage(next.window, [&](int x, int y) {
-            std::vector<DeepTerm> terms;
-            if (m_mean.deep) terms.push_back({m_mean.deep->curve(x, y)});
-            terms.push_back({next.curve(x, y), double(m_weight), double(m_weight)});
-            return merged(sumOf(terms), step);
-        });
-    }
-    // Weighted by opacity.
-    void addMotion(std::vector<float>& sum, const std::vector<float>& motion, const Image& image) const {
-        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_weight * image.rgba[i / 2 * 4 + 3] * motion[i];
-    }
-    // Both depths are 0 where nothing is visible.
-    void addDepth(std::vector<float>& sum, const std::vector<float>& depth, const Image& image) {
-        for (std::size_t i = 0; i < m_alpha.size(); ++i) {
-            const float first = depth[2 * i], alpha = image.rgba[4 * i + 3];
-            if (first == 0 && depth[2 * i + 1] == 0) continue;
-            sum[2 * i] = m_alpha[i] > 0 ? std::min(sum[2 * i], first) : first;
-            sum[2 * i + 1] += alpha * depth[2 * i + 1];
-            m_alpha[i] += alpha;
-        }
-    }
-
-    float m_weight;
-    double m_deepTolerance;
-    Frame m_mean;
-    std::vector<float> m_alpha;  // summed over frames in which the pixel has a depth
-};
+constexpr double kBlurPart = 0.7;  // of the promised error; squares of this and of what texels and sheets leave add up
 
 // The raster position of a point; no value where it is not in front of the camera.
 std::optional<Vec2> rasterOf(const Camera& camera, const Vec3& ws, double least) {
@@ -302,6 +219,8 @@ ShotMotion::ShotMotion(const LoadedShot& shot, const RenderOptions& options) : m
     m_path = longestPath();
     const std::optional<int>& samples = shot.scene.dials.shutterSamples;
     m_samples = samples ? *samples : samplesFor(m_path);
+    m_middle = viewAt(middle());
+    chooseDials();
 }
 
 ShotMotion::~ShotMotion() = default;
@@ -314,7 +233,7 @@ ViewScene ShotMotion::viewAt(double t) const {
 }
 
 ViewScene ShotMotion::view() const {
-    ViewScene view = moves() ? viewAt(middle()) : m_shot.view(m_options, m_shot.scene.dials.lod, VolumesOf::picture);
+    ViewScene view = moves() ? m_middle : m_shot.view(m_options, m_shot.scene.dials.lod, VolumesOf::picture);
     if (m_shot.scene.shutter) view.shutter = ViewShutter{m_shutter.open, m_shutter.close, m_samples, m_path, moves()};
     return view;
 }
@@ -378,16 +297,41 @@ double ShotMotion::longestPath() {
     return std::min(*std::max_element(paths.begin(), paths.end()) + (wsWay + lights) / pixel, most);
 }
 
-int ShotMotion::samplesFor(double path) const {
+double ShotMotion::promised() const {
     const Scene& scene = m_shot.scene;
-    // Motion blur may take this part of the promised error, since a mean of moments has about half the error of each:
-    // texels and sheets lie differently in them. Steps of one voxel are off by about 1.2 % of a cloud that is sharp at
-    // every voxel, and steps of s voxels by s^2 times that; the hard edges of solids by about a fifth of a step. That
-    // is the most renders; most pictures need far fewer.
-    constexpr double kShare = 0.7, kOfVoxelSteps = 0.012, kOfHardSteps = 0.14, kLeast = 4;
     const bool classified =
         std::any_of(scene.volumes.begin(), scene.volumes.end(), [](const auto& v) { return v.classified != nullptr; });
-    const double error = kShare * (scene.tolerance > 0 ? scene.tolerance : promisedError(scene.quality, classified));
+    return scene.tolerance > 0 ? scene.tolerance : promisedError(scene.quality, classified);
+}
+
+// In most scenes the dials of a preset leave a third to a half of the error that it promises. Pilots of the scene at
+// hand tell what they leave in it, if there are enough moments to pay for these.
+void ShotMotion::chooseDials() {
+    constexpr int kFewest = 4;
+    // The mean of four moments or more has 0.4 to 0.8 of the error of each in most scenes. Where only lights move, or
+    // edges move along themselves, it has 0.95 of it.
+    constexpr double kOfMoment = 0.8;
+    const Scene& scene = m_shot.scene;
+    if (!scene.keepsPromise || m_samples < kFewest) return;
+    // Surfaces and the edges of solids' shadows have bounds of their own.
+    if (anyClassified(m_middle) || solidsBlock(m_middle)) return;
+    const ProgressSink waits = partOf(m_options.progress, 0, 0);
+    const double allowed = std::sqrt(1 - kBlurPart * kBlurPart) * promised() / kOfMoment;
+    try {
+        m_middle.dials = momentDials(m_middle, momentModel(m_middle, waits), allowed, waits);
+    } catch (const Error& error) {
+        // A crop may need less memory than pilots of the whole picture; it then has the dials of a still.
+        if (error.kind() != ErrorKind::memory) throw;
+    }
+}
+
+// Motion blur may take kBlurPart of the error that is promised.
+int ShotMotion::samplesFor(double path) const {
+    // Steps of one voxel are off by about 1.2 % of a cloud that is sharp at every voxel, and steps of s voxels by s^2
+    // times that; the hard edges of solids by about a fifth of a step. That is the most renders; most pictures need far
+    // fewer.
+    constexpr double kOfVoxelSteps = 0.012, kOfHardSteps = 0.14, kLeast = 4;
+    const double error = kBlurPart * promised();
     double most = std::max(path / m_voxelPixels / std::sqrt(error / kOfVoxelSteps), kLeast);
     if (m_shot.solids) most = std::max(most, kOfHardSteps / error);
     const double wanted = std::min(wantedSamples(error, most), most);
@@ -436,7 +380,8 @@ Frame ShotMotion::render(const ViewScene& view, const ProgressSink& progress) co
     // Half of the tolerance is for each moment, and half for their mean.
     MeanFrame mean(m_samples, view.deep ? 0.5 * view.deep->tolerance : 0);
     for (int i = 0; i < m_samples; ++i) {
-        ViewScene moment = viewAt(timeOf(i, m_samples));
+        const bool middle = 2 * i + 1 == m_samples;
+        ViewScene moment = middle ? m_middle : viewAt(timeOf(i, m_samples));
         moment.dials = view.dials;
         if (view.deep) moment.deep = ViewDeep{0.5 * view.deep->tolerance};
         moment.memoryLimit = limitBeside(moment.memoryLimit, mean.deepBytes());

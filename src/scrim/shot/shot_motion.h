@@ -25,7 +25,8 @@ class ShotMotion {
     /// The number of renders that the picture averages.
     int samples() const { return m_samples; }
 
-    /// The view in the middle of the shutter, with the shutter's data for the plan. Throws Error.
+    /// The view in the middle of the shutter, with the shutter's data for the plan and the dials of each moment. Throws
+    /// Error.
     ViewScene view() const;
     /// The scene that the picture is compared with.
     ViewScene truth() const;
@@ -41,6 +42,8 @@ class ShotMotion {
     double longestPath();
     int samplesFor(double path) const;
     double wantedSamples(double error, double most) const;
+    void chooseDials();
+    double promised() const;
     double middle() const { return 0.5 * (m_shutter.open + m_shutter.close); }
     /// The middle of part `i` of `count` equal parts of the shutter's time.
     double timeOf(int i, int count) const {
@@ -54,6 +57,7 @@ class ShotMotion {
     double m_path = 0;                         // pixels
     double m_voxelPixels = 1;                  // pixels that a voxel covers
     int m_samples = 1;
+    ViewScene m_middle;  // with the dials of each moment
 };
 
 }  // namespace scrim

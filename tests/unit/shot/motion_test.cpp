@@ -351,6 +351,78 @@ TEST_F(MotionBlur, OfOneVoxelOfAnySpeedIsThatOfAllOthers) {
     }
 }
 
+// The scene with the dials of its preset, the block in place of which is a bump.
+class MomentDials : public MotionBlur {
+  protected:
+    void SetUp() override {
+        MotionBlur::SetUp();
+        MadeGrid bump;
+        for (const MadeVoxel& voxel : box({-14, -14, -6}, {14, 14, 10}, 1)) {
+            const Vec3 d = Vec3(voxel.at) - Vec3(0, 0, 2);
+            const double value = std::exp(-(d.x * d.x + d.y * d.y + 2 * d.z * d.z) / 24);
+            if (value > 1e-3) bump.voxels.push_back({voxel.at, 0.5 * value});
+        }
+        makeVdb(file("block.vdb"), {bump});
+        const std::string dials = "[render]";
+        writeBytes(file("shot.toml"), kScene.substr(0, kScene.find(dials)) + kLight);
+    }
+    static constexpr const char* kLight =
+        "[[light]]\nname = \"key\"\ntype = \"distant\"\ndirection = [1, -1, -1]\n"
+        "intensity = 4\n";
+    std::string table(const std::vector<std::string>& overrides, std::optional<PixelWindow> crop = {}) const {
+        RenderOptions options;
+        options.crop = crop;
+        return Shot::open(file("shot.toml"), overrides).plan(1, options).table;
+    }
+    static double dial(const std::string& table, const std::string& name) {
+        return std::stod(table.substr(table.find("\n" + name + " = ") + name.size() + 4));
+    }
+};
+
+// A still of the bump has half of the error that its preset promises. 16 moments may have what the blur leaves of it.
+TEST_F(MomentDials, AreAsCoarseAsThePromiseAllows) {
+    const std::string still = table({}), moments = table({kShutter, kMoves});
+    EXPECT_NE(still.find("for every frame of the shot"), std::string::npos);
+    EXPECT_NE(moments.find("for every render of this frame's motion blur"), std::string::npos) << moments;
+    const auto work = [](const std::string& t) { return std::pow(dial(t, "texel"), 2) * dial(t, "sheet_thickness"); };
+    EXPECT_GT(work(moments), 1.3 * work(still));
+    EXPECT_GE(dial(moments, "texel"), dial(still, "texel"));
+    EXPECT_GE(dial(moments, "sheet_thickness"), dial(still, "sheet_thickness"));
+    EXPECT_LT(error({kShutter, kMoves}), 0.01);
+}
+
+TEST_F(MomentDials, AreThoseThatThePlanTellsToPaste) {
+    const std::string told = table({kShutter, kMoves});
+    const std::string pasted = "render={texel=" + std::to_string(dial(told, "texel")) +
+                               ",sheet_thickness=" + std::to_string(dial(told, "sheet_thickness")) + "}";
+    EXPECT_EQ(farthest(render({kShutter, kMoves}), render({kShutter, kMoves, pasted})), 0);
+}
+
+TEST_F(MomentDials, AreThoseOfAStillWithFewMomentsAndWhereTheSceneStatesThem) {
+    const std::string still = table({});
+    const std::string few = table({kShutter, kMoves, samples(3)});
+    EXPECT_EQ(dial(few, "sheet_thickness"), dial(still, "sheet_thickness"));
+    EXPECT_EQ(dial(few, "texel"), dial(still, "texel"));
+    const std::string stated = table({kShutter, kMoves, "render.texel=0.37"});
+    EXPECT_EQ(stated.find("promises"), std::string::npos);
+}
+
+// Of a crop where the bump passes and of one that it never enters.
+TEST_F(MomentDials, AreTheSameForACropAsForTheWhole) {
+    const std::string whole = table({kShutter, kMoves});
+    for (const PixelWindow& crop : {PixelWindow{12, 12, 20, 20}, PixelWindow{0, 0, 4, 4}}) {
+        const std::string part = table({kShutter, kMoves}, crop);
+        EXPECT_EQ(dial(part, "texel"), dial(whole, "texel"));
+        EXPECT_EQ(dial(part, "sheet_thickness"), dial(whole, "sheet_thickness"));
+    }
+    RenderOptions options;
+    options.crop = PixelWindow{12, 10, 20, 22};
+    const ShotFrame part = Shot::open(file("shot.toml"), {kShutter, kMoves}).render(1, options);
+    const ShotFrame all = render({kShutter, kMoves});
+    for (int y = 10; y < 22; ++y)
+        for (int x = 12; x < 20; ++x) EXPECT_EQ(alphaAt(part, x, y), alphaAt(all, x, y)) << x << ' ' << y;
+}
+
 TEST_F(MotionBlur, TellsWhatIsWrongAndWhere) {
     EXPECT_NE(errorOf(ErrorKind::input,
                       [&] {
