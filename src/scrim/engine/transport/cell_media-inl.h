@@ -26,6 +26,7 @@ struct Deposit {
     struct Share {
         std::vector<Real>* row;
         double factor;
+        int colour = -1;  ///< of the transfer function, which multiplies the extinction; -1: none does
     };
     std::vector<Share> shares;
     bool tents = false;  ///< voxels are tents, as they are interpolated, and not cubes
