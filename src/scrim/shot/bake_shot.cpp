@@ -48,10 +48,12 @@ bool scattersGrey(const ViewScene& view) {
 // Something scatters more than once, or there is no indirect light to bake.
 void checkIndirect(const Scene& scene) {
     if (std::ranges::any_of(scene.volumes, [](const SceneVolume& volume) { return volume.scattersFully(); })) return;
-    throw Error(ErrorKind::input,
-                fmt::format("{}: --indirect: light scatters once in all volumes; expected one with "
-                            "scattering = \"full\", for example by --set 'volume.{}.medium.scattering=full'",
-                            scene.file, scene.volumes.empty() ? "NAME" : scene.volumes.front().name));
+    const SceneVolume* first = scene.volumes.empty() ? nullptr : &scene.volumes.front();
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{}: --indirect: light scatters once in all volumes; expected one with "
+                    "scattering = \"full\", for example by --set 'volume.{}.{}.scattering=full'",
+                    scene.file, first ? first->name : "NAME", first && first->classified ? "classified" : "medium"));
 }
 
 // For each light of the scene, whether the request names it.
