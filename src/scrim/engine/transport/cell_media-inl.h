@@ -30,6 +30,10 @@ struct Deposit {
     };
     std::vector<Share> shares;
     bool tents = false;  ///< voxels are tents, as they are interpolated, and not cubes
+
+    /// The transfer function is taken of the interpolated field, since where it bends its mean is not that of voxels:
+    /// as a sum over voxels, light that has scattered was 3 % too dark in a brain.
+    bool between() const { return classified && classified->classified->scatters; }
 };
 
 /// Half the edges of the box along the world's axes around a voxel.
@@ -37,6 +41,16 @@ inline Vec3 halfVoxel(const Mat4& wsFromIs) {
     Vec3 half(0);
     for (int axis = 0; axis < 3; ++axis) half += 0.5 * glm::abs(Vec3(wsFromIs[axis]));
     return half;
+}
+
+/// Calls visit(centre, half, volume in voxels) for a voxel, or for its eight parts if the deposit is taken between
+/// voxels. `half`: as halfVoxel has it.
+template <class Visit>
+void forParts(const Deposit& deposit, const Int3& voxel, const Vec3& half, const Visit& visit) {
+    if (!deposit.between()) return visit(transformPoint(deposit.wsFromIs, Vec3(voxel)), half, 1.0);
+    for (int i = 0; i < 8; ++i)
+        visit(transformPoint(deposit.wsFromIs, Vec3(voxel) + 0.5 * Vec3(i & 1, i >> 1 & 1, i >> 2) - 0.25), 0.5 * half,
+              0.125);
 }
 
 /// The cells that an interval meets, and the fraction of it in each of them; of a tent, twice as wide, its values in

@@ -32,7 +32,7 @@ class BoxDeposit {
     BoxDeposit(const CellGrid& grid, const Deposit& deposit) : m_grid(grid), m_deposit(deposit) {
         const Mat3 m(deposit.wsFromIs);
         m_voxelVolume = std::abs(glm::dot(m[0], glm::cross(m[1], m[2])));
-        if (deposit.classified && !deposit.classified->classified->gradientRamp.empty())
+        if (deposit.between() || (deposit.classified && !deposit.classified->classified->gradientRamp.empty()))
             m_optics.emplace(*deposit.classified, Kernel::linear, m_samplers);
     }
 
@@ -82,8 +82,8 @@ class BoxDeposit {
     ClassifiedValue classified(const Vec3& wsCenter, const Vec3& wsHalf, double value) const {
         const ViewVolume& volume = *m_deposit.classified;
         const Vec3 e = 2.0 * wsHalf;
-        ClassifiedValue own = classify(*volume.classified, value);
-        if (own.extinction > 0 && m_optics)
+        ClassifiedValue own = classify(*volume.classified, m_deposit.between() ? m_optics->density(wsCenter) : value);
+        if (own.extinction > 0 && !volume.classified->gradientRamp.empty())
             own.extinction *= gradientFactor(*volume.classified, glm::length(m_optics->gradient(wsCenter)));
         own.extinction *= partIn(volume.wsClip, wsCenter, {e.x, 0, 0, 0, e.y, 0, 0, 0, e.z});
         return own;
@@ -93,7 +93,7 @@ class BoxDeposit {
     const Deposit& m_deposit;
     double m_voxelVolume;
     FieldSamplers m_samplers;
-    std::optional<VolumeOptics> m_optics;  // only for gradients
+    std::optional<VolumeOptics> m_optics;  // only for gradients, and for values between voxels
 };
 
 void depositBlock(const BoxDeposit& into, const Deposit& deposit, std::size_t block, const Vec3& half) {
@@ -102,9 +102,9 @@ void depositBlock(const BoxDeposit& into, const Deposit& deposit, std::size_t bl
     for (int x = 0; x < kBlockEdge; ++x)
         for (int y = 0; y < kBlockEdge; ++y)
             for (int z = 0; z < kBlockEdge; ++z)
-                if (const float value = values[blockOffset(x, y, z)]; value > 0)
-                    into.add(transformPoint(deposit.wsFromIs, Vec3(field.blockOrigins[block] + Int3(x, y, z))), half, 1,
-                             value);
+                if (const float value = values[blockOffset(x, y, z)]; value > 0 || deposit.between())
+                    forParts(deposit, field.blockOrigins[block] + Int3(x, y, z), half,
+                             [&](const Vec3& ws, const Vec3& own, double part) { into.add(ws, own, part, value); });
 }
 
 // Deposits a tile in cubes that are about as large as a cell and that divide the tile's edge.
@@ -297,12 +297,8 @@ constexpr std::size_t kNear = std::size_t(kAround) * kAround * kAround;
 constexpr Real kNearer = Real(0.75), kFarther = Real(0.25);
 
 // The indices of the two coarser cells beside cell i of an edge: the nearer one, and the other.
-constexpr int nearer(int i) {
-    return i / 2 + 1;
-}
-constexpr int farther(int i) {
-    return nearer(i) + ((i & 1) != 0 ? 1 : -1);
-}
+constexpr auto nearer = [](int i) { return i / 2 + 1; };
+constexpr auto farther = [](int i) { return nearer(i) + ((i & 1) != 0 ? 1 : -1); };
 
 using Rows = std::array<const Real*, kNear>;
 
