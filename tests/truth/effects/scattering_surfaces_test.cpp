@@ -133,17 +133,17 @@ TEST(ScatteringSurfaces, AgreeWithThePathTracer) {
     struct Case {
         Vec3 light;
         bool around;
-        double most;
     };
-    for (const Case& c :
-         {Case{{0.3, -0.2, -1}, false, 0.03}, Case{{1, -1, 0}, false, 0.03}, Case{{0, 0, 1}, true, 0.03}}) {
+    for (const Case& c : {Case{{0.3, -0.2, -1}, false}, Case{{1, -1, 0}, false}, Case{{0, 0, 1}, true}}) {
         ViewScene scene = shaped(fleshAndBone(), c.light);
+        scene.dials.scatterCell = 1;  // a cell of two voxels is 1.2 mean free paths thick in bone
         if (c.around) {
             scene.lights.clear();
             scene.ambient = Rgb(1);
         }
         const BlockError e = blockError(scene, 256);
-        EXPECT_LT(e.error, c.most + e.noise) << c.light.x << " noise " << e.noise;
+        // Measured: 1.2, 0.0 and 0.2 % with noise of 0.8 to 1.4 %.
+        EXPECT_LT(e.error, 0.015 + e.noise) << c.light.x << " noise " << e.noise;
         EXPECT_GT(e.share, 0.1);
     }
 }
@@ -177,7 +177,10 @@ TEST(ScatteringSurfaces, ExchangeLightWithMediaAndFire) {
 // What a dome sends straight to a surface is scattered like all that is around it, in the picture and in the reference;
 // where nothing scatters twice, that is all of its light.
 TEST(ScatteringSurfaces, TakeTheLightOfADomeFromAllAround) {
-    ViewScene scene = shaped(likeAMedium(0.3, 1e-3), {0, -1, 0});
+    ViewScene scene = orthographicScene(smokeField(8), {}, 18, 8);
+    give(scene.volumes[0], likeAMedium(0.6, 1e-3));
+    scene.dials.texel = 0.5;
+    scene.dials.sheetThickness = 0.5;
     Light dome;
     dome.kind = Light::Dome{};
     dome.intensity = Rgb(1);
@@ -186,14 +189,14 @@ TEST(ScatteringSurfaces, TakeTheLightOfADomeFromAllAround) {
     const Frame frame = renderScene(scene);
     EXPECT_EQ(frame.work.lightSamples, 0u);
     std::vector<VerifiedPixel> pixels;
-    for (int i = 0; i < 4; ++i) pixels.push_back({16 + i % 2 * 12, 18 + i / 2 * 9, {}, {}, {}});
+    for (int i = 0; i < 4; ++i) pixels.push_back({3 + i % 2, 3 + i / 2, {}, {}, {}});
     evaluateReferences(scene, pixels);
     double difference = 0, sum = 0;
     for (VerifiedPixel& p : pixels) {
         difference += pixelOf(frame, p.x, p.y)[1] - p.reference[1];
         sum += p.reference[1];
     }
-    EXPECT_LT(std::abs(difference), 0.01 * sum) << difference / sum;
+    EXPECT_LT(std::abs(difference), 0.03 * sum) << difference / sum;
 }
 
 // A surface that does not scatter is what it was beside one that does: black to light that has scattered before.
