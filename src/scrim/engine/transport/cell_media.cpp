@@ -165,6 +165,7 @@ void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<std::vect
     const Vec3 voxel = 2.0 * halfVoxel(volume.wsFromIs);
     const double least = std::min({voxel.x, voxel.y, voxel.z});
     density.tents = least > 1.01 * media.grid.edge() && largest(voxel) <= margin && !look;
+    density.eighths = least > 0.6 * media.grid.edge();
     addShares(media.extinction, extinction, density);
     if (scattering && volume.scatter.empty())
         addShares(*scattering, look ? look->albedo : extinction * medium.albedo, density, look != nullptr);
