@@ -253,6 +253,9 @@ void checkClassified(const Check& check, const Classified& classified) {
             check.refuse(k.gradient.name, fmt::format("[{}, {}]", ramp[i].first, ramp[i].second),
                          "ascending lengths with factors from 0 to 1");
     check.members(k, classified);
+    check.colour(k.albedo, classified.albedo, 1);
+    if (const double most = mostScattered(classified); classified.scatters && !(most <= kMostScattered))
+        check.refuse(k.albedo.name, fmt::format("{:.4g} times a colour of the transfer function", most), "at most 1");
 }
 
 void checkVolume(const Check& check, const SceneVolume& volume) {

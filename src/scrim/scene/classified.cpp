@@ -25,6 +25,27 @@ ClassifiedValue classify(const Classified& classified, double value) {
     return scaled(points.back().color, points.back().extinction);
 }
 
+double mostScattered(const Classified& classified) {
+    double most = 0;
+    for (const TransferPoint& point : classified.transfer)
+        for (int c = 0; c < 3; ++c) most = std::max(most, classified.albedo[c] * point.color[c]);
+    return most;
+}
+
+bool scattersGrey(const Classified& classified) {
+    return std::ranges::all_of(classified.transfer, [&](const TransferPoint& point) {
+        const Rgb part = classified.albedo * point.color;
+        return part.x == part.y && part.y == part.z;
+    });
+}
+
+double mostExtinction(const Classified& classified, double value) {
+    double most = classify(classified, value).extinction;
+    for (const TransferPoint& point : classified.transfer)
+        if (point.value <= value) most = std::max(most, point.extinction * classified.densityScale);
+    return most;
+}
+
 double gradientFactor(const Classified& classified, double gradientLength) {
     return classified.gradientRamp.empty() ? 1 : ramped(classified.gradientRamp, gradientLength);
 }

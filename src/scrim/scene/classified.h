@@ -34,6 +34,12 @@ struct Classified {
     double specular = 0.3;
     double exponent = 20;
     bool twoSided = false;  ///< uses |N.L| in place of max(N.L, 0), so that light from behind a surface counts, too
+    /// Light that has scattered before, and light that comes from all around ([ambient], and domes but for their suns),
+    /// scatters evenly to all sides, any number of times: the scattering coefficient is the extinction times the colour
+    /// times `albedo`. Phong's model is left with the light that comes straight from lights, and `ambient` does not
+    /// count, since what is around enters through the border of the volumes and is attenuated on its way.
+    bool scatters = false;
+    Rgb albedo{0.9};
 };
 
 /// Colour and scaled extinction of one value of the field.
@@ -42,6 +48,13 @@ struct ClassifiedValue {
     double extinction = 0;
 };
 ClassifiedValue classify(const Classified& classified, double value);
+
+/// The largest part of the extinction that is scattered, in any channel and at any value of the field.
+double mostScattered(const Classified& classified);
+/// True if that part is the same in all channels at every value.
+bool scattersGrey(const Classified& classified);
+/// The largest extinction at any value up to `value`.
+double mostExtinction(const Classified& classified, double value);
 
 /// The factor on the extinction where the field's gradient (per world unit) has this length.
 double gradientFactor(const Classified& classified, double gradientLength);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -85,11 +86,27 @@ Vec3 VolumeOptics::shadingGradient(const Vec3& ws, double voxel) const {
 }
 
 Rgb VolumeOptics::scattering(const Vec3& ws) const {
+    if (m_volume->classified) {
+        if (!m_density || !m_volume->classified->scatters) return Rgb(0);
+        const ClassifiedValue value = classified(ws);
+        return value.extinction * value.color * m_volume->classified->albedo;
+    }
     const Medium& medium = m_volume->medium;
     if (m_scatter.empty()) return extinction(ws) * medium.albedo;
     const Vec3 from = origin(ws);
     const Rgb value(m_scatter[0].value(from), m_scatter[1].value(from), m_scatter[2].value(from));
     return medium.densityScale * value * medium.extinctionTint;
+}
+
+Rgb VolumeOptics::reflected(const Vec3& ws, double voxel, const Vec3& toLight, const Vec3& toEye) const {
+    const Classified& look = *m_volume->classified;
+    const ClassifiedValue value = classified(ws);
+    if (value.extinction == 0) return Rgb(0);
+    const Vec3 slope = shadingGradient(ws, voxel);
+    const double length = glm::length(slope);
+    const Vec3 normal = length > 0 ? -slope / length : Vec3(0);
+    const Reflected share = phong(look, normal, normalWeight(look, length, voxel), toLight, toEye);
+    return value.extinction / std::numbers::pi * (share.diffuse * value.color + share.specular);
 }
 
 Rgb VolumeOptics::emission(const Vec3& ws) const {

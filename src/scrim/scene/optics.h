@@ -51,7 +51,10 @@ class VolumeOptics {
     double mostExtinction(const Vec3& ws) const;
     /// What a classified volume with density shows at `ws`: by its transfer function and gradient, within its clip.
     ClassifiedValue classified(const Vec3& ws) const;
-    /// Scattering coefficient of a medium, per world unit.
+    /// Radiance per world unit that a classified volume reflects of a unit of irradiance (ZC02 eq. 3). `voxel`: as in
+    /// shadingGradient.
+    Rgb reflected(const Vec3& ws, double voxel, const Vec3& toLight, const Vec3& toEye) const;
+    /// Scattering coefficient of a medium, or of a classified volume with Classified::scatters, per world unit.
     Rgb scattering(const Vec3& ws) const;
     /// Emitted radiance per world unit.
     Rgb emission(const Vec3& ws) const;

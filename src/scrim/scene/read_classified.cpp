@@ -70,6 +70,18 @@ Classified readClassified(TomlTable table, const ReadContext& context) {
     }
     if (const auto gradient = table.find(k.gradient)) out.gradientRamp = readGradient(*gradient);
     table.read(k, context.frame, out);
+    if (const auto albedo = table.find(k.albedo)) {
+        if (!out.scatters)
+            albedo->fail(fmt::format("{} has {} without {}; expected both, or none", table.description(), k.albedo,
+                                     k.albedo.only));
+        out.albedo = readBounded(*albedo, context, 1);
+    }
+    if (const double most = mostScattered(out); out.scatters && most > kMostScattered)
+        table.find(k.scattering)
+            ->fail(
+                fmt::format("{} has {}, and {} times a colour is {:.4g}; expected at most 1, since more light would be "
+                            "scattered than there is",
+                            table.description(), k.albedo.only, k.albedo, most));
     table.finish();
     return out;
 }

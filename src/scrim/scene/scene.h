@@ -199,6 +199,11 @@ struct SceneVolume {
     GridInterpolation interpolation = GridInterpolation::automatic;
     bool holdout = false;  ///< hides what is behind it and casts shadows, but adds neither colour nor alpha
     std::string where;     ///< where the scene says `file`, `grids` or `source`: "scene.toml:12:8"
+
+    /// As scattersFully of a view's volume, which also has voxels.
+    bool scattersFully() const {
+        return (classified ? classified->scatters : medium.scattering == Scattering::full) && !holdout;
+    }
 };
 
 /// A solid made of triangles.

@@ -35,7 +35,8 @@ bool greyScattering(const ViewScene& scene) {
     // Beside volumes in which light scatters more than once, others scatter light to them.
     const bool all = anyScattersFully(scene);
     return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [&](const ViewVolume& v) {
-               return !all || v.classified || (v.scatter.empty() && isGrey(v.medium.albedo));
+               if (v.classified) return !scattersFully(v) || scattersGrey(*v.classified);
+               return !all || (v.scatter.empty() && isGrey(v.medium.albedo));
            });
 }
 

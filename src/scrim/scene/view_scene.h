@@ -82,10 +82,10 @@ struct ViewVolume {
     int place = -1;  ///< index into Scene::volumes, some of which may be culled; -1: its index in this scene
 };
 
-/// True if light scatters more than once in the volume's medium.
+/// True if light scatters more than once in the volume.
 inline bool scattersFully(const ViewVolume& volume) {
-    return volume.medium.scattering == Scattering::full && !volume.holdout && !volume.classified &&
-           !volume.field->empty();
+    const bool full = volume.classified ? volume.classified->scatters : volume.medium.scattering == Scattering::full;
+    return full && !volume.holdout && !volume.field->empty();
 }
 
 /// A deep picture that is written beside the flat one.

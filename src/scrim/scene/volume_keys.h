@@ -240,6 +240,10 @@ struct TransferKeys : SectionOf<TransferPoint> {
                                 .required();
 };
 
+/// The most that the albedo times a colour of a transfer function may be: 1, but for the rounding of colours that come
+/// from another space.
+inline constexpr double kMostScattered = 1 + 1e-5;
+
 struct ClassifiedKeys : SectionOf<Classified> {
     ClassifiedKeys()
         : SectionOf(
@@ -266,13 +270,22 @@ struct ClassifiedKeys : SectionOf<Classified> {
               "unit), ascending: linear between points, constant outside of them. [[5, 0], [20, 1]] shows boundaries, "
               "and not what is alike all through.")
             .unless("1 everywhere");
-    const Key& ambient = number("ambient", Range::fromTo(0, 1e6), &Classified::ambient, "Factor on ambient light.");
+    const Key& ambient = number("ambient", Range::fromTo(0, 1e6), &Classified::ambient,
+                                "Factor on ambient light. It does not count with scattering = \"full\".");
     const Key& diffuse =
         number("diffuse", Range::fromTo(0, 1e6), &Classified::diffuse, "Factor on diffusely reflected light.");
     const Key& specular = number("specular", Range::fromTo(0, 1e6), &Classified::specular, "Factor on the highlight.");
     const Key& exponent = number("exponent", Range::fromTo(0, 1e4), &Classified::exponent,
                                  "Phong's exponent: the larger, the smaller the highlight.");
     const Key& twoSided = boolean("two_sided", &Classified::twoSided, "Surfaces are also lit from behind.");
+    const Key& scattering = choice(
+        "scattering", {"single", "full"}, &Classified::scatters,
+        "How often light scatters. \"full\": light that comes straight from a light is shown as ever, and scatters "
+        "evenly to all sides any number of times, as do emission, [ambient] and domes, with shadows.");
+    const Key& albedo =
+        colour("albedo", "[0.9, 0.9, 0.9]",
+               "Scattered fraction of extinction, 0 to 1, which multiplies the colours of the transfer function.")
+            .onlyFor("scattering = \"full\"");
 };
 
 struct MeshKeys : SectionOf<SceneMesh> {

@@ -45,18 +45,15 @@ bool scattersGrey(const ViewScene& view) {
     return true;
 }
 
-// As scattersFully of a view's volume, which also has voxels.
-bool scattersFully(const SceneVolume& volume) {
-    return volume.medium.scattering == Scattering::full && !volume.holdout && !volume.classified;
-}
-
 // Something scatters more than once, or there is no indirect light to bake.
 void checkIndirect(const Scene& scene) {
-    if (std::ranges::any_of(scene.volumes, [](const SceneVolume& volume) { return scattersFully(volume); })) return;
-    throw Error(ErrorKind::input,
-                fmt::format("{}: --indirect: light scatters once in all volumes; expected one with "
-                            "scattering = \"full\", for example by --set 'volume.{}.medium.scattering=full'",
-                            scene.file, scene.volumes.empty() ? "NAME" : scene.volumes.front().name));
+    if (std::ranges::any_of(scene.volumes, [](const SceneVolume& volume) { return volume.scattersFully(); })) return;
+    const SceneVolume* first = scene.volumes.empty() ? nullptr : &scene.volumes.front();
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{}: --indirect: light scatters once in all volumes; expected one with "
+                    "scattering = \"full\", for example by --set 'volume.{}.{}.scattering=full'",
+                    scene.file, first ? first->name : "NAME", first && first->classified ? "classified" : "medium"));
 }
 
 // For each light of the scene, whether the request names it.
@@ -207,7 +204,7 @@ void GridMaker::addVolume(std::size_t volume, const ViewVolume* view, const Bake
         grid.metadata = {{"scrim:light", light.name}, {"scrim:unit", kIrradiance}};
         setColours(grid, baked ? baked->lights[l] : std::vector<float>{}, grey);
     }
-    const bool full = scattersFully(own);
+    const bool full = own.scattersFully();
     const bool grey =
         full ? m_scattersGrey
              : greyLights && isGrey(own.medium.albedo) && !own.albedoGrid && isGrey(m_scene.ambient) && !m_coloured;

@@ -60,9 +60,8 @@ std::string promiseText(const std::string& preset, const PromisedDials& promised
 /// True if the cells or directions of multiply scattered light are to be chosen.
 bool choosesScattering(const Scene& scene) {
     return (!scene.dials.scatterCell || !scene.dials.scatterDirections) &&
-           std::any_of(scene.volumes.begin(), scene.volumes.end(), [](const SceneVolume& volume) {
-               return !volume.classified && volume.medium.scattering == Scattering::full;
-           });
+           std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                       [](const SceneVolume& volume) { return volume.scattersFully(); });
 }
 
 void warnOfPromise(const std::string& preset, const PromisedDials& chosen, const RenderOptions& options) {

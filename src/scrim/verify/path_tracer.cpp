@@ -95,16 +95,12 @@ void PathTracer::measure() {
     for (const ViewVolume& volume : m_scene.volumes) {
         if (!volume.field->empty()) {
             std::fill(ofField.begin(), ofField.end(), 0.0);
-            double steepest = 0;
-            if (volume.classified)
-                for (int i = 0; i <= 1000; ++i)
-                    steepest = std::max(
-                        steepest, 1.1 * classify(*volume.classified, 1e-3 * i * volume.field->maxValue).extinction);
-            mark(densityOf(volume), [&](std::size_t box, double value) {
-                const double here = volume.classified ? steepest : value * volume.medium.mostExtinction();
-                ofField[box] = std::max(ofField[box], here);
-            });
-            for (std::size_t i = 0; i < m_majorants.size(); ++i) m_majorants[i] += ofField[i];
+            mark(densityOf(volume),
+                 [&](std::size_t box, double value) { ofField[box] = std::max(ofField[box], value); });
+            for (std::size_t i = 0; i < m_majorants.size(); ++i)
+                if (ofField[i] > 0)
+                    m_majorants[i] += volume.classified ? mostExtinction(*volume.classified, ofField[i])
+                                                        : ofField[i] * volume.medium.mostExtinction();
         }
         for (const ViewEmission& emission : volume.emission)
             mark(emission.field, [&](std::size_t box, double) { glows[box] = true; });

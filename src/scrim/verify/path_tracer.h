@@ -31,10 +31,10 @@ class PathTracer {
     bool any() const { return m_any; }
 
     /// Premultiplied radiance, averaged over pixel (x, y), of light from lights that has scattered at least twice, and
-    /// of ambient light and emission that has scattered at least once. Solids that stop light send their albedo's part
-    /// of it back, which counts as scattering; what the eye sees last is a volume. Of all its scattering, volumes whose
-    /// media do not scatter fully may do one. Averages `paths` paths; each `seed`
-    /// gives a different set.
+    /// of ambient light and emission that has scattered at least once. Classified volumes scatter it where they are
+    /// Classified::scatters. Solids that stop light send their albedo's part of it back, which counts as scattering;
+    /// what the eye sees last is a volume. Of all its scattering, volumes whose media do not scatter fully may do one.
+    /// Averages `paths` paths; each `seed` gives a different set.
     Estimate pixel(int x, int y, int paths, std::uint64_t seed = 1) const;
 
   private:

@@ -2,6 +2,7 @@
 #include <scrim/verify/held_ray.h>
 #include <scrim/verify/reference.h>
 #include <scrim/base/split_mix.h>
+#include <scrim/image/sky_parts.h>
 
 #include <algorithm>
 #include <bit>
@@ -98,18 +99,6 @@ Rgb Reference::opticalDepth(const Vec3& a, const Vec3& b, std::optional<std::siz
     return scrim::opticalDepth(m_volumes, m_wsBounds, m_step, a, b, light);
 }
 
-// Reflected radiance per world unit and unit of irradiance (ZC02 eq. 3).
-Rgb Reference::reflect(const VolumeOptics& v, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const {
-    const Classified& look = *v.volume().classified;
-    const ClassifiedValue value = v.classified(ws);
-    if (value.extinction == 0) return Rgb(0);
-    const Vec3 slope = v.shadingGradient(ws, m_voxel);
-    const double length = glm::length(slope);
-    const Vec3 normal = length > 0 ? -slope / length : Vec3(0);
-    const Reflected share = phong(look, normal, normalWeight(look, length, m_voxel), toLight, toEye);
-    return value.extinction / std::numbers::pi * (share.diffuse * value.color + share.specular);
-}
-
 // A point on the ray beyond all volumes.
 Vec3 Reference::farAway(const Vec3& ws, const Vec3& direction) const {
     return ws + direction * (std::max(0.0, m_wsBounds.clip(ws, direction, 0, kInfinity).second) + m_voxel);
@@ -177,6 +166,17 @@ Rgb Reference::arriving(std::size_t index, const Vec3& ws) const {
     return sum;
 }
 
+// True if a classified volume scatters the light as it does light from all around: that of a dome, but for its suns.
+bool Reference::isAround(std::size_t index, const ViewVolume& volume, const Vec3& travel) const {
+    const Light& light = m_scene.lights[index];
+    if (!light.dome() || !volume.classified->scatters) return false;
+    if (!light.slide || !light.slide->parts || !light.slide->parts->smooth) return true;
+    return std::ranges::none_of(light.slide->parts->suns, [&](const SkySun& sun) {
+        const double cosine = glm::dot(domeDirection(light, sun.u, sun.v), -travel);
+        return cosine >= std::cos(glm::radians(0.5 * sun.angle));
+    });
+}
+
 // Radiance per world unit and unit of irradiance that the volumes send along `eye`, from light that arrives along
 // `travel`.
 Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel, const Vec3& eye,
@@ -186,7 +186,9 @@ Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel,
         const ViewVolume& volume = v.volume();
         if (!v.hasDensity() || volume.holdout || (!volume.lights.empty() && !volume.lights[index])) continue;
         if (volume.classified) {
-            sum += reflect(v, ws, -travel, -eye) * glm::exp(-tau);
+            sum += (isAround(index, volume, travel) ? v.scattering(ws) / (4 * std::numbers::pi)
+                                                    : v.reflected(ws, m_voxel, -travel, -eye)) *
+                   glm::exp(-tau);
             continue;
         }
         const Medium& medium = volume.medium;
@@ -215,10 +217,11 @@ Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
     for (const VolumeOptics& v : m_volumes) {
         const ViewVolume& volume = v.volume();
         if (!v.hasDensity() || volume.holdout) continue;
+        if (scattersFully(volume)) continue;  // the path tracer computes its ambient light
         if (volume.classified) {
             const ClassifiedValue value = v.classified(ws);
             out.source += value.extinction * volume.classified->ambient * value.color * m_scene.ambient;
-        } else if (!scattersFully(volume)) {  // the path tracer computes the ambient light of media that scatter fully
+        } else {
             out.source += v.scattering(ws) * m_scene.ambient;
         }
     }

@@ -63,7 +63,7 @@ class Reference {
 
   private:
     Rgb extinction(const Vec3& ws) const;
-    Rgb reflect(const VolumeOptics& volume, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const;
+    bool isAround(std::size_t index, const ViewVolume& volume, const Vec3& travel) const;
     double slideStep(const Vec3& ws, const Vec3& wsDirection, double step) const;
     double lampStep(const Vec3& ws, double step) const;
     std::vector<LightRay> raysTo(std::size_t light, const Vec3& ws) const;

@@ -38,7 +38,7 @@ double grey(const Rgb& v) {
 class Look {
   public:
     Look(const ViewScene& scene, const std::vector<CellLight>& fine, const std::vector<CellLight>& coarse)
-        : m_scene(scene), m_solves{&fine, &coarse}, m_bounds(wsBounds(scene)) {
+        : m_scene(scene), m_solves{&fine, &coarse}, m_bounds(wsBounds(scene)), m_voxel(voxelUnit(scene)) {
         FieldSamplers samplers;
         for (const ViewVolume& volume : scene.volumes) m_volumes.emplace_back(volume, scene.dials.kernel, samplers);
         const bool border = skiesFromBorder(scene);
@@ -80,9 +80,8 @@ class Look {
             seen.direct += weight * grey(m_volumes[v].emission(ws));
             const ViewVolume& volume = m_volumes[v].volume();
             const Rgb scattering = m_volumes[v].scattering(ws);
-            if (scattering == Rgb(0) || volume.holdout || volume.classified) continue;
-            for (std::size_t l = 0; l < m_lights.size(); ++l)
-                seen.direct += weight * grey(scattering * lit(m_lights[l], volume.medium.phase, ws, direction));
+            if (scattering == Rgb(0) || volume.holdout) continue;
+            for (const LightAt& light : m_lights) seen.direct += weight * grey(lit(light, m_volumes[v], ws, direction));
             for (std::size_t s = 0; s < 2; ++s)
                 for (const CellLight& light : *m_solves[s]) {
                     if (!light.ofVolume[v]) continue;
@@ -92,7 +91,8 @@ class Look {
                 }
         }
     }
-    Rgb lit(const LightAt& light, const Phase& phase, const Vec3& ws, const Vec3& direction) const {
+    // What the volume sends against `direction` of the light that comes straight from a light.
+    Rgb lit(const LightAt& light, const VolumeOptics& volume, const Vec3& ws, const Vec3& direction) const {
         constexpr int kShadowSteps = 24;
         const Arriving in = light.at(ws);
         if (in.irradiance == Rgb(0)) return Rgb(0);
@@ -100,12 +100,16 @@ class Look {
         double tau = 0;
         for (int i = 0; i < kShadowSteps && tau < -std::log(kOpaque); ++i)
             tau += step * extinction(ws - (i + 0.5) * step * in.travel);
-        return phaseValue(phase, -glm::dot(in.travel, direction)) * std::exp(-tau) * in.irradiance;
+        if (volume.volume().classified)
+            return std::exp(-tau) * in.irradiance * volume.reflected(ws, m_voxel, -in.travel, -direction);
+        const double phase = phaseValue(volume.volume().medium.phase, -glm::dot(in.travel, direction));
+        return volume.scattering(ws) * (phase * std::exp(-tau) * in.irradiance);
     }
 
     const ViewScene& m_scene;
     const std::vector<CellLight>* m_solves[2];
     Bounds m_bounds;
+    double m_voxel;
     std::vector<VolumeOptics> m_volumes;
     std::vector<LightAt> m_lights;
 };

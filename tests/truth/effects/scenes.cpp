@@ -183,7 +183,13 @@ ViewScene haze(double sigma) {
 BlockError blockError(const ViewScene& scene, int paths) {
     constexpr int kBlock = 8;
     ViewScene once = scene;
-    for (ViewVolume& volume : once.volumes) volume.medium.scattering = Scattering::single;
+    for (ViewVolume& volume : once.volumes) {
+        volume.medium.scattering = Scattering::single;
+        if (!volume.classified) continue;
+        Classified look = *volume.classified;
+        look.scatters = false;
+        volume.classified = std::make_shared<const Classified>(look);
+    }
     once.ambient = Rgb(0);
     const Frame full = renderScene(scene), single = renderScene(once);
     const PathTracer tracer(scene);

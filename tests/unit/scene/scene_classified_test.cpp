@@ -31,6 +31,32 @@ TEST(SceneClassified, HasDefaults) {
     EXPECT_EQ(look->specular, 0.3);
     EXPECT_EQ(look->exponent, 20);
     EXPECT_FALSE(look->twoSided);
+    EXPECT_FALSE(look->scatters);
+    EXPECT_EQ(look->albedo, Rgb(0.9));
+}
+
+TEST(SceneClassified, ScattersWhereItSaysSo) {
+    const std::string transfer =
+        "transfer = [{value = 1, color = [1, 0.5, 0.25], extinction = 0}, {value = 2, extinction = 3}]\n";
+    const auto look = [&](const std::string& lines) {
+        return *read(sceneWith(transfer + lines)).volumes.at(0).classified;
+    };
+    EXPECT_FALSE(look("scattering = \"single\"\n").scatters);
+    EXPECT_TRUE(look("scattering = \"full\"\n").scatters);
+    EXPECT_NEAR(look("scattering = \"full\"\nalbedo = [0.5, 0.25, 1]\n").albedo.y, 0.25, 1e-6);
+    EXPECT_TRUE(read(sceneWith(transfer + "scattering = \"full\"\n")).volumes.at(0).scattersFully());
+    EXPECT_EQ(errorOf(sceneWith(transfer + "scattering = \"octaves\"\n")),
+              "scene.toml:8:14: 'scattering' is the string \"octaves\"; expected 'single' or 'full'");
+    EXPECT_EQ(errorOf(sceneWith(transfer + "albedo = [1, 1, 1]\n")),
+              "scene.toml:8:10: [volume.classified] of [[volume]] 'volume1' has 'albedo' without scattering = "
+              "\"full\"; expected both, or none");
+    EXPECT_EQ(errorOf(sceneWith(transfer + "scattering = \"full\"\nalbedo = [1, 1, 2]\n")),
+              "scene.toml:9:10: 'albedo' is 1, 1, 2 in the working space; expected numbers from 0 to 1");
+    EXPECT_EQ(
+        errorOf(sceneWith("transfer = [{value = 1, color = [1, 2, 1], extinction = 0}, {value = 2, extinction = 3}]\n"
+                          "scattering = \"full\"\n")),
+        "scene.toml:8:14: [volume.classified] of [[volume]] 'volume1' has scattering = \"full\", and 'albedo' "
+        "times a colour is 1.8; expected at most 1, since more light would be scattered than there is");
 }
 
 TEST(SceneClassified, ReadsEverything) {

@@ -181,6 +181,8 @@ TEST(SceneKeys, HaveTheDefaultsOfScenesThatAreBuiltInCode) {
     EXPECT_EQ(*keysOf<SlideKeys>().fov.value, Slide().fov);
     EXPECT_EQ(keysOf<MediumKeys>().albedo.fallback, "[0.9, 0.9, 0.9]");
     EXPECT_EQ(Medium().albedo, Rgb(0.9));
+    EXPECT_EQ(keysOf<ClassifiedKeys>().albedo.fallback, "[0.9, 0.9, 0.9]");
+    EXPECT_EQ(Classified().albedo, Rgb(0.9));
     EXPECT_EQ(keysOf<OutputKeys>().compression.fallback, '"' + SceneOutput().compression + '"');
     EXPECT_EQ(keysOf<RenderKeys>().quality.fallback, '"' + Scene().quality + '"');
 }

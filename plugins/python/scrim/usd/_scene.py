@@ -47,7 +47,8 @@ def _linked(reading: Reading, lights: list[tuple[dict, _lights.Light]], volumes:
             table["shadows"] = False
     names = {"lights": [table["name"] for table, _ in lights],
              "shadows": [table["name"] for table, _ in lights if table.get("shadows", True)]}
-    full = any(volume.get("medium", {}).get("scattering") == "full" for _, volume in volumes)
+    looks = [volume.get(key, {}) for _, volume in volumes for key in ("medium", "classified")]
+    full = any(look.get("scattering") == "full" for look in looks)
     for item, volume in volumes:
         for key in keys:
             if (volume["name"], key) in said:

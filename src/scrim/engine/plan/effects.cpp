@@ -229,9 +229,12 @@ Effect emission(const ViewScene& scene) {
 }
 
 Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
-    Effect effect = ofMedia(
-        scene, ".medium.scattering", [](const ViewVolume& v) { return nameIf(scattersFully(v), v.name); },
-        "multiple scattering", "in ", "no medium has scattering = \"full\": light scatters once");
+    Finder found(scene);
+    for (const ViewVolume& v : scene.volumes)
+        if (const char* kind = v.classified ? "classified" : "medium"; scattersFully(v))
+            found.add(quoted(v.name), fmt::format("volume.{}.{}.scattering", v.name, kind));
+    Effect effect =
+        found.effect("multiple scattering", "in ", "no volume has scattering = \"full\": light scatters once");
     const TransportPlan& t = plan.transport;
     const int solves = static_cast<int>(t.targets.size()) * t.colours;
     if (effect.on)
@@ -291,13 +294,12 @@ Effect linking(const ViewScene& scene, const char* key, std::vector<bool> ViewVo
 Effect crossFade(const ViewScene& scene, const Plan& plan) {
     for (const GroupPlan& group : plan.groups)
         for (const PlannedLight& light : group.lights)
-            if (light.share < 1)
-                return {"cross-fade",
-                        true,
-                        fmt::format("light '{}' is within {} degrees of perpendicular to the eye, and swept from both "
-                                    "sides",
-                                    ownerOf(scene, plan, light.light).name, scene.dials.crossFade.value_or(kCrossFade)),
-                        {}};
+            if (light.share < 1) {
+                const std::string reason = fmt::format(
+                    "light '{}' is within {} degrees of perpendicular to the eye, and swept from both sides",
+                    ownerOf(scene, plan, light.light).name, scene.dials.crossFade.value_or(kCrossFade));
+                return {"cross-fade", true, reason, {}};
+            }
     if (scene.dials.crossFade == 0.0) return {"cross-fade", false, "nothing moves, or the dial is 0", {}};
     return {"cross-fade", false, "no light is perpendicular to the eye", {}};
 }
@@ -349,11 +351,9 @@ Effect culledTiles(const Plan& plan) {
     }
     if (all == 0 || plan.perView) return {"tiles culled", false, "every sheet is the view's own", {}};
     const bool some = needed < 0.999 * all;
-    return {"tiles culled",
-            some,
-            some ? fmt::format("{:.0f} % of all: neither eye nor light passes them", 100 * (1 - needed / all))
-                 : "eye or light may pass all of them",
-            {}};
+    const std::string part =
+        fmt::format("{:.0f} % of all: neither eye nor light passes them", 100 * (1 - needed / all));
+    return {"tiles culled", some, some ? part : "eye or light may pass all of them", {}};
 }
 
 }  // namespace

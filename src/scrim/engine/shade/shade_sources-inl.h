@@ -85,11 +85,12 @@ HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real c
 // Adds light on cells, which differs from sample to sample.
 HWY_ATTR void addScatteredBefore(const ShadeInput& input, const SheetScattered& scattered, int output, Work& w) {
     const DF d;
-    const SheetMedium& medium = input.media[std::size_t(scattered.medium)];
+    const SheetMedium* medium = scattered.surface < 0 ? &input.media[std::size_t(scattered.medium)] : nullptr;
+    const SheetSurface* surface = medium ? nullptr : &input.surfaces[std::size_t(scattered.surface)];
     for (int c = 0; c < 3; ++c) {
-        const auto albedo = constant(medium.albedo[c] * scattered.share);
-        const Real *through = w.through.values[input.coloured ? c : 0], *scatter = medium.scatter[c],
-                   *radiance = scattered.radiance[c];
+        const auto albedo = constant((medium ? medium->albedo[c] : surface->albedo[c]) * scattered.share);
+        const Real *through = w.through.values[input.coloured ? c : 0], *radiance = scattered.radiance[c],
+                   *scatter = medium ? medium->scatter[c] : surface->emission[c];
         Real* to = outputRow(input, w, output, c);
         forSamples([&](int k) HWY_ATTR {
             const auto part = hn::Mul(hn::Mul(load(scatter, k), load(through, k)), load(radiance, k));
@@ -133,8 +134,9 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     }
     for (const SheetScattered& scattered : input.scattered) {
         addScatteredBefore(input, scattered, scattered.output, w);
-        if (const int own = input.media[std::size_t(scattered.medium)].output; own > 0)
-            addScatteredBefore(input, scattered, own, w);
+        const int own = scattered.surface < 0 ? input.media[std::size_t(scattered.medium)].output
+                                              : input.surfaces[std::size_t(scattered.surface)].output;
+        if (own > 0) addScatteredBefore(input, scattered, own, w);
         if (scattered.again && input.layout.indirect > 0)
             addScatteredBefore(input, scattered, input.layout.indirect, w);
         w.done.scattered += kTileSize;

@@ -316,6 +316,18 @@ namespace scrim {
 
 HWY_EXPORT(shadeTileOnTarget);
 
+SheetSurface surfaceOf(const Classified& look) {
+    SheetSurface surface{};
+    // What is around is part of the light that has scattered before.
+    surface.ambient = static_cast<Real>(look.scatters ? 0 : look.ambient);
+    surface.diffuse = static_cast<Real>(look.diffuse);
+    surface.specular = static_cast<Real>(look.specular);
+    surface.exponent = static_cast<Real>(look.exponent);
+    surface.twoSided = look.twoSided;
+    for (int c = 0; c < 3; ++c) surface.albedo[c] = static_cast<Real>(look.albedo[c]);
+    return surface;
+}
+
 ShadeWork shadeTile(const ShadeInput& input, Real* out) {
     return SCRIM_ON_TARGET(input.simd, shadeTileOnTarget)(input, out);
 }

@@ -17,6 +17,7 @@
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/engine/model/eye_view.h>
+#include <scrim/scene/classified.h>
 #include <scrim/scene/medium.h>
 
 #include <span>
@@ -38,9 +39,10 @@ struct SheetMedium {
     int output = 0;       ///< further output, beside the beauty or its parts, for this medium; 0: none
 };
 
-/// Light on cells at a medium, which acts as an environment that differs from sample to sample.
+/// Light on cells at a volume, which acts as an environment that differs from sample to sample.
 struct SheetScattered {
     int medium = 0;           ///< index into ShadeInput::media
+    int surface = -1;         ///< unless it is -1, index into ShadeInput::surfaces, in place of `medium`
     const Real* radiance[3];  ///< 256 values each
     Real share = 1;           ///< share that the sweep owns
     int output = 0;
@@ -62,10 +64,13 @@ struct SheetSurface {
     const Real* weight;       ///< weight of the normal
     Real ambient, diffuse, specular, exponent;
     bool twoSided;
+    Real albedo[3];  ///< with `emission`, the scattering coefficient of light that has scattered before
     const std::vector<bool>* lit = nullptr;  ///< as in SheetMedium
     int output = 0;                          ///< as in SheetMedium
     int sceneVolume = 0;
 };
+/// Its look, without what differs from sample to sample.
+SheetSurface surfaceOf(const Classified& look);
 
 /// Buffers of samples (all rows and `outputs`) must be aligned to 64 bytes.
 struct ShadeInput {

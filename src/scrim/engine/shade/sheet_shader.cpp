@@ -90,14 +90,9 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
         const ViewVolume& volume = scene.volumes[extinction.volumes()[i].sceneVolume];
         m_held.push_back(volume.holdout);
         m_holdouts = m_holdouts || volume.holdout;
-        if (const Classified* c = volume.classified.get()) {
-            SheetSurface& look = m_surfaces.emplace_back();
+        if (volume.classified) {
+            SheetSurface& look = m_surfaces.emplace_back(surfaceOf(*volume.classified));
             m_surfaceVolumes.push_back(static_cast<int>(i));
-            look.ambient = static_cast<Real>(c->ambient);
-            look.diffuse = static_cast<Real>(c->diffuse);
-            look.specular = static_cast<Real>(c->specular);
-            look.exponent = static_cast<Real>(c->exponent);
-            look.twoSided = c->twoSided;
             look.lit = litOrAll(volume);
             look.sceneVolume = extinction.volumes()[i].sceneVolume;
             look.output = outputOf(look.sceneVolume);
@@ -128,13 +123,15 @@ void SheetShader::chooseScattered(const std::vector<CellLight>& cellLight) {
         int output = 0;
         for (std::size_t i = 0; light.output && i < m_group.outputs.list.size(); ++i)
             if (m_group.outputs.list[i] == *light.output) output = static_cast<int>(i) + 1;
-        for (std::size_t i = 0; i < m_media.size(); ++i) {
-            const auto& field = light.ofVolume[m_extinction.volumes()[m_mediumVolumes[i]].sceneVolume];
-            if (!field) continue;
+        const auto show = [&](int volume, std::size_t medium, int surface) {
+            const auto& field = light.ofVolume[m_extinction.volumes()[volume].sceneVolume];
+            if (!field) return;
             m_scatteredParts.push_back(
-                {static_cast<int>(i), {}, static_cast<Real>(m_group.primary), output, light.again});
+                {static_cast<int>(medium), surface, {}, static_cast<Real>(m_group.primary), output, light.again});
             m_scatteredFields.push_back(field);
-        }
+        };
+        for (std::size_t i = 0; i < m_media.size(); ++i) show(m_mediumVolumes[i], i, -1);
+        for (std::size_t i = 0; i < m_surfaces.size(); ++i) show(m_surfaceVolumes[i], 0, static_cast<int>(i));
     }
 }
 
@@ -142,14 +139,10 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
     rows.scattered.clear();
     if (m_scatteredParts.empty()) return;
     const Sheets& sheets = m_group.sheets;
-    const double middle = sheet + 0.5;
-    const Vec3 origin = sheets.wsPoint({0, 0, middle});
-    const SamplePlane plane{origin,
-                            sheets.wsPoint({1, 0, middle}) - origin,
-                            sheets.wsPoint({0, 1, middle}) - origin,
-                            sheets.wsPoint({0, 0, middle + 1}) - origin,
-                            sheets.thickness / sheets.texel,
-                            m_group.sameSide ? -1.0 : 1.0};
+    const auto at = [&](int u, int v, int on) { return sheets.wsPoint({u, v, sheet + 0.5 + on}); };
+    const Vec3 origin = at(0, 0, 0), perU = at(1, 0, 0) - origin, perV = at(0, 1, 0) - origin;
+    const SamplePlane plane{
+        origin, perU, perV, at(0, 0, 1) - origin, sheets.thickness / sheets.texel, m_group.sameSide ? -1.0 : 1.0};
     // Most samples of a tile at the border of a volume lie beside it.
     Row medium{};  // mean extinction
     for (int c = 0; c < m_plan.extinction.count(); ++c) {
@@ -158,11 +151,18 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
         for (int k = 0; k < kTileSize; ++k) medium.values[k] += part * rows.total[std::size_t(c)].values[k];
     }
     for (std::size_t i = 0; i < m_scatteredParts.size(); ++i) {
-        SheetScattered& part = rows.scattered.emplace_back(m_scatteredParts[i]);
+        SheetScattered part = m_scatteredParts[i];
+        if (part.surface >= 0) {  // where it is among those that are visible here
+            const int volume = m_surfaces[std::size_t(part.surface)].sceneVolume;
+            const auto own = std::ranges::find(rows.surfaces, volume, &SheetSurface::sceneVolume);
+            if (own == rows.surfaces.end()) continue;
+            part.surface = static_cast<int>(own - rows.surfaces.begin());
+        }
         Row* const own = rows.onCells.data() + 3 * i;
         Real* const rgb[3] = {own[0].values, own[1].values, own[2].values};
         m_scatteredFields[i]->lookUp(plane, samples, medium.values, rgb);
         std::copy(rgb, rgb + 3, part.radiance);
+        rows.scattered.push_back(part);
     }
 }
 

@@ -32,7 +32,7 @@ class BoxDeposit {
     BoxDeposit(const CellGrid& grid, const Deposit& deposit) : m_grid(grid), m_deposit(deposit) {
         const Mat3 m(deposit.wsFromIs);
         m_voxelVolume = std::abs(glm::dot(m[0], glm::cross(m[1], m[2])));
-        if (deposit.classified && !deposit.classified->classified->gradientRamp.empty())
+        if (deposit.between() || (deposit.classified && !deposit.classified->classified->gradientRamp.empty()))
             m_optics.emplace(*deposit.classified, Kernel::linear, m_samplers);
     }
 
@@ -56,14 +56,15 @@ class BoxDeposit {
 
     // `voxels`: the volume of the box, in voxels.
     void add(const Vec3& wsCenter, const Vec3& wsHalf, double voxels, double value) const {
-        if (m_deposit.classified) value = extinctionOf(*m_deposit.classified, wsCenter, wsHalf, value);
-        if (value == 0) return;
+        ClassifiedValue own{Rgb(1), value};
+        if (m_deposit.classified) own = classified(wsCenter, wsHalf, value);
+        if (own.extinction == 0) return;
         const Vec3 center = m_grid.csFromWs(wsCenter), half = wsHalf / m_grid.edge();
         const std::array<CellParts, 3> spans{CellParts(center.x, half.x, m_deposit.tents),
                                              {center.y, half.y, m_deposit.tents},
                                              {center.z, half.z, m_deposit.tents}};
         const double edge = m_grid.edge();
-        const double amount = value * voxels * m_voxelVolume / (edge * edge * edge);
+        const double amount = own.extinction * voxels * m_voxelVolume / (edge * edge * edge);
         for (int z = 0; z < spans[2].count; ++z)
             for (int y = 0; y < spans[1].count; ++y)
                 for (int x = 0; x < spans[0].count; ++x) {
@@ -71,26 +72,28 @@ class BoxDeposit {
                         m_grid.index({spans[0].first + x, spans[1].first + y, spans[2].first + z});
                     if (cell < 0) continue;
                     const double part = amount * spans[0].part(x) * spans[1].part(y) * spans[2].part(z);
-                    for (const Deposit::Share& share : m_deposit.shares)
-                        (*share.row)[std::size_t(cell)] += static_cast<Real>(share.factor * part);
+                    for (const auto& [row, factor, colour] : m_deposit.shares)
+                        (*row)[std::size_t(cell)] += Real(factor * part * (colour < 0 ? 1 : own.color[colour]));
                 }
     }
 
   private:
-    // The mean extinction of the box, of which the volume's clip may leave a part.
-    double extinctionOf(const ViewVolume& volume, const Vec3& wsCenter, const Vec3& wsHalf, double value) const {
-        const Vec3 edges = 2.0 * wsHalf;
-        double extinction = classify(*volume.classified, value).extinction;
-        if (extinction > 0 && m_optics)
-            extinction *= gradientFactor(*volume.classified, glm::length(m_optics->gradient(wsCenter)));
-        return extinction * partIn(volume.wsClip, wsCenter, {edges.x, 0, 0, 0, edges.y, 0, 0, 0, edges.z});
+    // The colour and the mean extinction of the box, of which the volume's clip may leave a part.
+    ClassifiedValue classified(const Vec3& wsCenter, const Vec3& wsHalf, double value) const {
+        const ViewVolume& volume = *m_deposit.classified;
+        const Vec3 e = 2.0 * wsHalf;
+        ClassifiedValue own = classify(*volume.classified, m_deposit.between() ? m_optics->density(wsCenter) : value);
+        if (own.extinction > 0 && !volume.classified->gradientRamp.empty())
+            own.extinction *= gradientFactor(*volume.classified, glm::length(m_optics->gradient(wsCenter)));
+        own.extinction *= partIn(volume.wsClip, wsCenter, {e.x, 0, 0, 0, e.y, 0, 0, 0, e.z});
+        return own;
     }
 
     const CellGrid& m_grid;
     const Deposit& m_deposit;
     double m_voxelVolume;
     FieldSamplers m_samplers;
-    std::optional<VolumeOptics> m_optics;  // only for gradients
+    std::optional<VolumeOptics> m_optics;  // only for gradients, and for values between voxels
 };
 
 void depositBlock(const BoxDeposit& into, const Deposit& deposit, std::size_t block, const Vec3& half) {
@@ -99,9 +102,9 @@ void depositBlock(const BoxDeposit& into, const Deposit& deposit, std::size_t bl
     for (int x = 0; x < kBlockEdge; ++x)
         for (int y = 0; y < kBlockEdge; ++y)
             for (int z = 0; z < kBlockEdge; ++z)
-                if (const float value = values[blockOffset(x, y, z)]; value > 0)
-                    into.add(transformPoint(deposit.wsFromIs, Vec3(field.blockOrigins[block] + Int3(x, y, z))), half, 1,
-                             value);
+                if (const float value = values[blockOffset(x, y, z)]; value > 0 || deposit.between())
+                    forParts(deposit, field.blockOrigins[block] + Int3(x, y, z), half,
+                             [&](const Vec3& ws, const Vec3& own, double part) { into.add(ws, own, part, value); });
 }
 
 // Deposits a tile in cubes that are about as large as a cell and that divide the tile's edge.
@@ -145,9 +148,10 @@ void add(const CellGrid& grid, const Deposit& deposit, Simd simd) {
     for (const ConstantTile& tile : field.tiles) depositTile(grid, into, deposit, tile, half);
 }
 
-void addShares(std::vector<std::vector<Real>>& rows, const Rgb& factor, Deposit& deposit) {
+// `coloured`: they are parts of the extinction times the transfer function's colour.
+void addShares(std::vector<std::vector<Real>>& rows, const Rgb& factor, Deposit& deposit, bool coloured = false) {
     for (std::size_t c = 0; c < rows.size(); ++c)
-        if (factor[int(c)] != 0) deposit.shares.push_back({&rows[c], factor[int(c)]});
+        if (factor[int(c)] != 0) deposit.shares.push_back({&rows[c], factor[int(c)], coloured ? int(c) : -1});
 }
 
 // Adds a volume's extinction, and its scattering to `scattering` if it scatters. `margin`: as in cellMedia.
@@ -155,16 +159,18 @@ void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<std::vect
                Simd simd) {
     if (volume.field->empty()) return;
     const Medium& medium = volume.medium;
-    Deposit density{volume.field.get(), volume.wsFromIs, volume.classified ? &volume : nullptr, {}};
-    const Rgb extinction = volume.classified ? Rgb(1) : medium.densityScale * medium.extinctionTint;
+    const Classified* look = volume.classified.get();
+    Deposit density{volume.field.get(), volume.wsFromIs, look ? &volume : nullptr, {}};
+    const Rgb extinction = look ? Rgb(1) : medium.densityScale * medium.extinctionTint;
     const Vec3 voxel = 2.0 * halfVoxel(volume.wsFromIs);
-    density.tents = std::min({voxel.x, voxel.y, voxel.z}) > 1.01 * media.grid.edge() && largest(voxel) <= margin &&
-                    !volume.classified;
+    const double least = std::min({voxel.x, voxel.y, voxel.z});
+    density.tents = least > 1.01 * media.grid.edge() && largest(voxel) <= margin && !look;
+    density.eighths = least > 0.6 * media.grid.edge();
     addShares(media.extinction, extinction, density);
-    if (scattering && volume.scatter.empty()) addShares(*scattering, extinction * medium.albedo, density);
+    if (scattering && volume.scatter.empty())
+        addShares(*scattering, look ? look->albedo : extinction * medium.albedo, density, look != nullptr);
     add(media.grid, density, simd);
-    if (!scattering) return;
-    for (std::size_t c = 0; c < volume.scatter.size(); ++c) {
+    for (std::size_t c = 0; scattering && c < volume.scatter.size(); ++c) {
         const ViewField& field = volume.scatter[c];
         if (field.field->empty()) continue;
         add(media.grid, {field.field.get(), field.wsFromIs, nullptr, {{&(*scattering)[c], extinction[int(c)]}}}, simd);
@@ -292,12 +298,8 @@ constexpr std::size_t kNear = std::size_t(kAround) * kAround * kAround;
 constexpr Real kNearer = Real(0.75), kFarther = Real(0.25);
 
 // The indices of the two coarser cells beside cell i of an edge: the nearer one, and the other.
-constexpr int nearer(int i) {
-    return i / 2 + 1;
-}
-constexpr int farther(int i) {
-    return nearer(i) + ((i & 1) != 0 ? 1 : -1);
-}
+constexpr auto nearer = [](int i) { return i / 2 + 1; };
+constexpr auto farther = [](int i) { return nearer(i) + ((i & 1) != 0 ? 1 : -1); };
 
 using Rows = std::array<const Real*, kNear>;
 

@@ -17,7 +17,7 @@ namespace scrim {
 /// Volumes that scatter light in the same way and are lit by the same lights.
 struct ScatterClass {
     Phase phase;
-    /// Light scatters once in these volumes, whose medium is not scattersFully: on its way between lights, volumes that
+    /// Light scatters once in these volumes, which are not scattersFully: on its way between lights, volumes that
     /// scatter fully, and the eye.
     bool once = false;
     SplitPhase split;          ///< of `phase`
@@ -35,7 +35,7 @@ struct ScatterClass {
 std::vector<std::vector<int>> alikeVolumes(const ViewScene& scene,
                                            const std::function<bool(const ViewVolume&)>& wanted);
 
-/// The classes of the volumes whose medium scatters more than once, for a solve with `ordinates` directions, and after
+/// The classes of the volumes that scatter light more than once, for a solve with `ordinates` directions, and after
 /// them those of all other media, if there are any of the first.
 std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates);
 
