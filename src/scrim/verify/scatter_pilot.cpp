@@ -22,13 +22,13 @@
 namespace scrim {
 namespace {
 
-constexpr double kAlong = 24;          // cells of the finer solve along the longest edge of the volumes
-constexpr int kRays = 64, kTries = 8;  // rays that see something, and rays for each of them at most
-constexpr int kSteps = 64;             // along a ray through the volumes
-constexpr int kLights = 3;             // points that represent an extended light
-constexpr double kOrder = 1.6;         // by which the error of cells grows with their edge
-constexpr double kOpaque = 1e-4;       // transmittance at which a ray ends
-constexpr double kCoarsest = 6;        // cells that are chosen, voxels
+constexpr double kFewestAlong = 24, kMostAlong = 50;  // cells of the finer solve along the volumes' longest edge
+constexpr int kRays = 64, kTries = 8;                 // rays that see something, and rays for each of them at most
+constexpr int kSteps = 64;                            // along a ray through the volumes
+constexpr int kLights = 3;                            // points that represent an extended light
+constexpr double kOrder = 1.6;                        // by which the error of cells grows with their edge
+constexpr double kOpaque = 1e-4;                      // transmittance at which a ray ends
+constexpr double kCoarsest = 6;                       // cells that are chosen, voxels
 
 double grey(const Rgb& v) {
     return (v.x + v.y + v.z) / 3;
@@ -114,11 +114,23 @@ class Look {
     std::vector<LightAt> m_lights;
 };
 
-std::vector<CellLight> solvedWith(const ViewScene& scene, double cell) {
+ViewScene withCells(const ViewScene& scene, double cell) {
     ViewScene with = scene;
     with.dials.scatterCell = cell;
     with.dials.scatterDirections = kOrdinateCounts[0];
     with.memoryLimit = 0;
+    return with;
+}
+
+// True if a pilot with such cells takes little memory.
+bool isSmall(const ViewScene& scene, double cell) {
+    constexpr std::size_t kMostBytes = 500'000'000;
+    const std::size_t most = scene.memoryLimit > 0 ? std::min(kMostBytes, scene.memoryLimit / 2) : kMostBytes;
+    return planTransport(withCells(scene, cell)).bytes <= most;
+}
+
+std::vector<CellLight> solvedWith(const ViewScene& scene, double cell) {
+    const ViewScene with = withCells(scene, cell);
     TransportPlan plan = planTransport(with);
     plan.coarse = true;
     plan.colours = 1;  // of the brightest, which stands for all
@@ -128,8 +140,8 @@ std::vector<CellLight> solvedWith(const ViewScene& scene, double cell) {
 }
 
 // Sets what rays over the whole picture see of both solves.
-void look(const ViewScene& scene, ScatterPilot& pilot) {
-    const std::vector<CellLight> fine = solvedWith(scene, pilot.edge), coarse = solvedWith(scene, 2 * pilot.edge);
+void look(const ViewScene& scene, const std::vector<CellLight>& fine, const std::vector<CellLight>& coarse,
+          ScatterPilot& pilot) {
     const Look eye(scene, fine, coarse);
     const RayFamily rays = wsRays(scene.camera);
     const Int2 size = scene.camera.resolution;
@@ -186,8 +198,24 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
     pilot.wallsSendBack = wallsSendBack(given);
     ViewScene scene = withFewSubLights(given, kLights);
     scene.layers.clear();
-    pilot.edge = std::max(largest(wsBounds(scene).size()) / voxelUnit(scene) / kAlong, 1.0);
-    look(scene, pilot);
+    const double longest = largest(wsBounds(scene).size()) / voxelUnit(scene);
+    pilot.edge = 2 * std::max(longest / kFewestAlong, 1.0);
+    std::vector<CellLight> coarse = solvedWith(scene, 2 * pilot.edge), fine = solvedWith(scene, pilot.edge);
+    look(scene, fine, coarse, pilot);
+    // Cells that are too large for what is in a volume all miss it, and hardly differ: in a cloud of 350 voxels by 20,
+    // 16, 17 and 13 % with cells of 29, 15, 7 and 4 voxels. Then finer ones tell more: on a cloud of 200 voxels the
+    // error was 3.8 % with the cells that those of 8 voxels suggest, and 1.8 % with those that 4 do, where 2 % are
+    // promised.
+    constexpr double kFalls = 0.6;
+    double before = 0;
+    do {
+        coarse = std::move(fine);
+        before = pilot.difference;
+        pilot.edge /= 2;
+        fine = solvedWith(scene, pilot.edge);
+        look(scene, fine, coarse, pilot);
+    } while (pilot.difference > kFalls * before && pilot.edge >= 2 && longest / pilot.edge < kMostAlong / 2 &&
+             isSmall(scene, pilot.edge / 2));
     return pilot;
 }
 

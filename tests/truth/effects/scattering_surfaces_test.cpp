@@ -175,7 +175,8 @@ TEST(ScatteringSurfaces, ExchangeLightWithMediaAndFire) {
         double sum = 0;
         for (const FrameLayer& layer : parts.layers)
             if (layer.layer != Layer::indirect) sum += double(layer.data[i / 4 * 3 + i % 4]);
-        ASSERT_NEAR(sum, whole.image.rgba[i], 2e-3 * whole.image.rgba[i] + 1e-5) << i;
+        // Solves of layers and of the whole end where a sweep changes less than 2e-3.
+        ASSERT_NEAR(sum, whole.image.rgba[i], 4e-3 * whole.image.rgba[i] + 1e-5) << i;
     }
 }
 

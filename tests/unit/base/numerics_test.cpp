@@ -19,10 +19,11 @@ TEST(Numerics, GaussQuadratureIntegratesPolynomialsOfTwiceItsDegreeExactly) {
             double sum = 0;
             for (const auto& [x, weight] : gaussLegendre(n)) sum += weight * std::pow(x, power);
             const double exact = power % 2 == 0 ? 2.0 / (power + 1) : 0;
-            if (power < 2 * n)
+            if (power < 2 * n) {
                 EXPECT_NEAR(sum, exact, 1e-13) << n << " " << power;
-            else if (power == 2 * n)
+            } else if (power == 2 * n) {
                 EXPECT_GT(std::abs(sum - exact), 1e-7) << n;
+            }
         }
 }
 
