@@ -24,6 +24,17 @@ inline double errorOf(const ViewScene& scene, int pixels) {
     return verified(scene, renderScene(scene), pixels).error;
 }
 
+/// What green is off at all of these pixels together, relative to the reference.
+inline double greenBias(const ViewScene& scene, const Frame& frame, std::vector<VerifiedPixel> pixels) {
+    evaluateReferences(scene, pixels);
+    double difference = 0, sum = 0;
+    for (const VerifiedPixel& p : pixels) {
+        difference += pixelOf(frame, p.x, p.y)[1] - p.reference[1];
+        sum += p.reference[1];
+    }
+    return difference / sum;
+}
+
 /// The scene with texels and sheets of half the size, footprints of twice as many steps, and a quarter of the cut-off.
 inline ViewScene refined(ViewScene scene) {
     scene.dials.texel /= 2;

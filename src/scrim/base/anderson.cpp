@@ -34,7 +34,7 @@ void AndersonMixing::step(std::vector<Real>& x, const std::vector<Real>& next) {
         matrix[i][i] *= 1 + 1e-10;
         right[i] = m_product(m_steps[i].residual, residual);
     }
-    const std::vector<double> part = leastSquares(matrix, right);
+    const std::vector<double> part = leastSquares(std::move(matrix), std::move(right));
     x = next;
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t k = 0; k < x.size(); ++k) x[k] -= static_cast<Real>(part[i]) * m_steps[i].next[k];

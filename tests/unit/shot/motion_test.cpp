@@ -294,6 +294,17 @@ TEST_F(MotionBlur, ChoosesMoreRendersForMoreMotionAndTellsThem) {
     EXPECT_LT(count("standard"), count("ultra"));
 }
 
+// A Gaussian around (0, 0, 2), in those of the voxels where it is not negligible: `flat` narrows it along z.
+MadeGrid bump(const std::vector<MadeVoxel>& voxels, double most, double width2, double flat) {
+    MadeGrid grid;
+    for (const MadeVoxel& voxel : voxels) {
+        const Vec3 d = Vec3(voxel.at) - Vec3(0, 0, 2);
+        const double value = std::exp(-(d.x * d.x + d.y * d.y + flat * d.z * d.z) / width2);
+        if (value > 1e-3) grid.voxels.push_back({voxel.at, most * value});
+    }
+    return grid;
+}
+
 // The path is 16 pixels for both; a bump of 8 voxels' width changes slowly along it, a block's edge of one voxel at
 // once. Both keep the promise of 2 %, of which sheets and texels have their share.
 TEST_F(MotionBlur, TakesFewerRendersWhereThePictureIsSmooth) {
@@ -303,13 +314,7 @@ TEST_F(MotionBlur, TakesFewerRendersWhereThePictureIsSmooth) {
     };
     const int sharp = count();
     EXPECT_LT(error({kShutter, kMoves}), 0.02);
-    MadeGrid bump;
-    for (const MadeVoxel& voxel : box({-20, -20, -8}, {20, 20, 12}, 1)) {
-        const Vec3 d = Vec3(voxel.at) - Vec3(0, 0, 2);
-        const double value = std::exp(-(d.x * d.x + d.y * d.y + 4 * d.z * d.z) / 64);
-        if (value > 1e-3) bump.voxels.push_back({voxel.at, 0.3 * value});
-    }
-    makeVdb(file("block.vdb"), {bump});
+    makeVdb(file("block.vdb"), {bump(box({-20, -20, -8}, {20, 20, 12}, 1), 0.3, 64, 4)});
     EXPECT_LT(2 * count(), sharp);
     EXPECT_LT(error({kShutter, kMoves}), 0.02);
 }
@@ -356,13 +361,7 @@ class MomentDials : public MotionBlur {
   protected:
     void SetUp() override {
         MotionBlur::SetUp();
-        MadeGrid bump;
-        for (const MadeVoxel& voxel : box({-14, -14, -6}, {14, 14, 10}, 1)) {
-            const Vec3 d = Vec3(voxel.at) - Vec3(0, 0, 2);
-            const double value = std::exp(-(d.x * d.x + d.y * d.y + 2 * d.z * d.z) / 24);
-            if (value > 1e-3) bump.voxels.push_back({voxel.at, 0.5 * value});
-        }
-        makeVdb(file("block.vdb"), {bump});
+        makeVdb(file("block.vdb"), {bump(box({-14, -14, -6}, {14, 14, 10}, 1), 0.5, 24, 2)});
         const std::string dials = "[render]";
         writeBytes(file("shot.toml"), kScene.substr(0, kScene.find(dials)) + kLight);
     }

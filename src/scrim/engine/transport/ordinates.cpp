@@ -16,13 +16,6 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#ifndef SCRIM_ORDINATES_ONCE
-#define SCRIM_ORDINATES_ONCE
-namespace scrim {
-inline constexpr std::size_t kMostOrdinates = 256;
-}
-#endif
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/transport/ordinates.cpp"
 #include <hwy/foreach_target.h>
@@ -32,8 +25,6 @@ inline constexpr std::size_t kMostOrdinates = 256;
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
-
-constexpr std::size_t kRows = 4;  // rows that share loads of a matrix
 
 // The sums of a row over octants with signs, all eight of them: the value at octant `o` of the result is the sum over
 // octants p of (-1)^(bits in both o and p) times that at p. Twice applied, this gives the row times 8.
@@ -63,18 +54,18 @@ HWY_ATTR HWY_INLINE void addProduct(const Real* column, std::size_t perOctant, c
                                     std::size_t stride, Real* to) {
     const D8 d;
     const std::size_t lanes = hn::Lanes(d);
-    hn::Vec<D8> sums[kRows][kVectors];
+    hn::Vec<D8> sums[kRowsTogether][kVectors];
     for (auto& row : sums)
         for (auto& sum : row) sum = hn::Zero(d);
     for (std::size_t n = 0; n < perOctant; ++n, column += perOctant) {
         hn::Vec<D8> weights[kVectors];
         for (std::size_t v = 0; v < kVectors; ++v) weights[v] = hn::LoadU(d, column + v * lanes);
-        for (std::size_t r = 0; r < kRows; ++r) {
+        for (std::size_t r = 0; r < kRowsTogether; ++r) {
             const auto value = hn::Set(d, from[r * stride + n]);
             for (std::size_t v = 0; v < kVectors; ++v) sums[r][v] = hn::MulAdd(weights[v], value, sums[r][v]);
         }
     }
-    for (std::size_t r = 0; r < kRows; ++r)
+    for (std::size_t r = 0; r < kRowsTogether; ++r)
         for (std::size_t v = 0; v < kVectors; ++v) {
             Real* out = to + r * stride + v * lanes;
             hn::StoreU(hn::MulAdd(hn::Set(d, factors[r]), sums[r][v], hn::LoadU(d, out)), d, out);
@@ -119,11 +110,11 @@ HWY_ATTR void fillRow(const Ordinates& ordinates, const Real* moments, std::size
 // Adds a lobe around `travel` whose sum with the ordinates' weights is `sum`: the series that is a line with ever
 // more terms, times a power of (1 + cosine) / 2. That takes away its waves far from the line, and leaves its low
 // moments.
-HWY_ATTR void addLobe(const Ordinates& ordinates, const std::vector<Real>& ones, const Vec3& travel, Real sum,
+HWY_ATTR void addLobe(const Ordinates& ordinates, const Real* ones, std::size_t count, const Vec3& travel, Real sum,
                       Real* row) {
     const D8 d;
     HWY_ALIGN Real lobe[kMostOrdinates];
-    fillRow(ordinates, ones.data(), ones.size(), travel, lobe);
+    fillRow(ordinates, ones, count, travel, lobe);
     const auto x = hn::Set(d, static_cast<Real>(0.5 * travel.x)), y = hn::Set(d, static_cast<Real>(0.5 * travel.y));
     const auto z = hn::Set(d, static_cast<Real>(0.5 * travel.z)), half = hn::Set(d, Real(0.5));
     auto all = hn::Zero(d);
@@ -167,7 +158,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kMostResolved = 32;  // moments
-constexpr std::size_t kRowsTogether = 4;   // as multiplyRows takes them
 
 // The number of angles in a quarter turn at each level, from the pole to the equator.
 std::vector<int> anglesOf(int count) {
@@ -278,19 +268,22 @@ void mixOrdinates(const std::vector<std::vector<Real>>& matrices, const std::vec
 }
 
 void scatteringRow(const Ordinates& ordinates, const std::vector<double>& moments, const Vec3& travel, Real* row,
-                   Simd simd) {
+                   Simd simd, double part) {
     std::array<Real, kMostResolved> scaled;
-    for (std::size_t l = 0; l < moments.size(); ++l) scaled[l] = static_cast<Real>(moments[l] / (4 * kPi));
+    for (std::size_t l = 0; l < moments.size(); ++l) scaled[l] = static_cast<Real>(moments[l] * part / (4 * kPi));
     SCRIM_ON_TARGET(simd, fillRow)(ordinates, scaled.data(), moments.size(), travel, row);
 }
 
 void gatheringRow(const Ordinates& ordinates, const SplitPhase& phase, const Vec3& travel, Real* row, Simd simd) {
-    std::vector<double> rest = phase.spread();
-    for (double& moment : rest) moment *= 1 - phase.straight();
-    scatteringRow(ordinates, rest, travel, row, simd);
+    scatteringRow(ordinates, phase.spread(), travel, row, simd, 1 - phase.straight());
     if (phase.straight() == 0) return;
-    const std::vector<Real> ones(rest.size(), 1);
-    SCRIM_ON_TARGET(simd, addLobe)(ordinates, ones, travel, static_cast<Real>(phase.straight()), row);
+    static constexpr std::array<Real, kMostResolved> kOnes = [] {
+        std::array<Real, kMostResolved> ones{};
+        ones.fill(1);
+        return ones;
+    }();
+    SCRIM_ON_TARGET(simd, addLobe)
+    (ordinates, kOnes.data(), phase.spread().size(), travel, static_cast<Real>(phase.straight()), row);
 }
 
 Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd) {

@@ -29,6 +29,7 @@ struct Ordinates {
 
 /// The possible numbers of ordinates: multiples of 64, which fill vectors of 8 lanes.
 inline constexpr int kOrdinateCounts[] = {64, 128, 256};
+inline constexpr std::size_t kMostOrdinates = kOrdinateCounts[2];
 
 /// Throws Error(usage) for any other count.
 Ordinates ordinates(int count);
@@ -53,6 +54,9 @@ int resolvedMoments(int ordinates);
 /// blocks for these sums, perOctant^2 values each, n before m, times 1/8: an eighth of the whole matrix.
 std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const std::vector<double>& moments);
 
+/// The rows that are scattered together, because they share loads of a matrix.
+inline constexpr std::size_t kRowsTogether = 4;
+
 // Scattering between ordinates is the most expensive part of media that are not isotropic: from all ordinates to all,
 // and from or to a direction that is not an ordinate.
 
@@ -64,8 +68,9 @@ void mixOrdinates(const std::vector<std::vector<Real>>& matrices, const std::vec
 /// The phase function with Legendre moments `moments` for light that travels along `travel` (unit) and is scattered
 /// into each ordinate; the sum with the ordinates' weights is one. Since p is symmetric in its two directions, these
 /// values times the weights are also what a ray along `travel` gathers from all ordinates. A series may go below zero.
+/// `part`: a factor on all values.
 void scatteringRow(const Ordinates& ordinates, const std::vector<double>& moments, const Vec3& travel, Real* row,
-                   Simd simd);
+                   Simd simd, double part = 1);
 
 /// The weighted sum of a row of radiance along ordinates.
 Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd);
