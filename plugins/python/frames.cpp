@@ -76,8 +76,8 @@ void requireAccuracy(const ShotFrame& frame) {
     const std::string which = "frame " + std::to_string(r.frame) + ": ";
     if (r.scattering && !r.scattering->converged)
         throw Error(ErrorKind::accuracy,
-                    which + "a further sweep would have changed the light that scatters more than once by " +
-                        text(r.scattering->change) +
+                    which + "further sweeps would have changed the light that scatters more than once by about " +
+                        text(r.scattering->error) +
                         ", more than render.scatter_error = " + text(r.scattering->wanted));
     if (r.tolerance && !r.tolerance->met)
         throw Error(ErrorKind::accuracy, which + "its error may be " + text(r.tolerance->bound) +

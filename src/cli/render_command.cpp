@@ -166,9 +166,9 @@ void RenderRun::keepMissed(const ShotReport& report) {
     };
     if (report.scattering && !report.scattering->converged)
         keep(
-            fmt::format("frame {}: written, but multiple scattering has not converged: a further sweep would change it "
-                        "by {:.2g}, more than render.scatter_error = {:.2g}",
-                        report.frame, report.scattering->change, report.scattering->wanted));
+            fmt::format("frame {}: written, but multiple scattering has not converged: further sweeps would change it "
+                        "by about {:.2g}, more than render.scatter_error = {:.2g}",
+                        report.frame, report.scattering->error, report.scattering->wanted));
     if (!report.tolerance || report.tolerance->met) return;
     keep(fmt::format("frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}",
                      report.frame, report.tolerance->bound, report.tolerance->wanted,

@@ -3,6 +3,7 @@
 
 #include <scrim/base/least_squares.h>
 
+#include <cmath>
 #include <utility>
 
 namespace scrim {
@@ -19,8 +20,8 @@ std::vector<Real> difference(const std::vector<Real>& a, const std::vector<Real>
 AndersonMixing::AndersonMixing(std::size_t history, Product product)
     : m_history(history), m_product(std::move(product)) {}
 
-void AndersonMixing::step(std::vector<Real>& x, const std::vector<Real>& next) {
-    const std::vector<Real> residual = difference(next, x);
+double AndersonMixing::step(std::vector<Real>& x, const std::vector<Real>& next) {
+    std::vector<Real> residual = difference(next, x);
     if (!m_next.empty()) m_steps.push_back({difference(next, m_next), difference(residual, m_residual)});
     if (m_steps.size() > m_history) m_steps.erase(m_steps.begin());
     m_next = next;
@@ -35,9 +36,15 @@ void AndersonMixing::step(std::vector<Real>& x, const std::vector<Real>& next) {
         right[i] = m_product(m_steps[i].residual, residual);
     }
     const std::vector<double> part = leastSquares(std::move(matrix), std::move(right));
+    const double length = m_product(residual, residual);
     x = next;
     for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t k = 0; k < x.size(); ++k) x[k] -= static_cast<Real>(part[i]) * m_steps[i].next[k];
+        for (std::size_t k = 0; k < x.size(); ++k) {
+            const Real mixed = static_cast<Real>(part[i]) * m_steps[i].next[k];
+            x[k] -= mixed;
+            residual[k] -= mixed;
+        }
+    return length > 0 ? std::sqrt(m_product(residual, residual) / length) : 1;
 }
 
 }  // namespace scrim

@@ -18,8 +18,8 @@ class AndersonMixing {
     /// Mixes at most `history` steps from one iterate to the next.
     AndersonMixing(std::size_t history, Product product);
 
-    /// Replaces x by the next iterate; `next` = G(x).
-    void step(std::vector<Real>& x, const std::vector<Real>& next);
+    /// Replaces x by the next iterate; `next` = G(x). Returns the length of that step, relative to the residual's.
+    double step(std::vector<Real>& x, const std::vector<Real>& next);
 
   private:
     struct Step {

@@ -3,9 +3,12 @@
 // become random is easy to check: tasks are independent, and no result depends on which thread runs which task.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <numeric>
+#include <vector>
 
 namespace scrim {
 
@@ -13,6 +16,27 @@ namespace scrim {
 /// microseconds; it runs with denormal floats flushed to zero. The first exception thrown by a task is rethrown after
 /// the others have stopped.
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task);
+
+inline constexpr std::size_t kParallelChunk = 2048;  ///< of parallelChunks
+
+/// Calls `task(begin, end)` for consecutive parts of [0, count), as parallelFor does.
+template <class Task>
+void parallelChunks(std::size_t count, const Task& task) {
+    parallelFor((count + kParallelChunk - 1) / kParallelChunk,
+                [&](std::size_t i) { task(i * kParallelChunk, std::min(count, (i + 1) * kParallelChunk)); });
+}
+
+/// The sum of term(i) for every i in [0, count). Threads do not change how it is rounded.
+template <class Term>
+double parallelSum(std::size_t count, const Term& term) {
+    std::vector<double> sums((count + kParallelChunk - 1) / kParallelChunk);
+    parallelChunks(count, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t i = begin; i < end; ++i) sum += term(i);
+        sums[begin / kParallelChunk] = sum;
+    });
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
 
 /// For benchmarks: calls `sink` at the end of every later loop with its number of tasks and the seconds that the loop,
 /// all its tasks together and the longest of them took. An empty `sink` ends that. Must not be called while loops run.

@@ -300,7 +300,7 @@ void addScattered(const ViewScene& given, bool indirect, const ProgressSink& pro
         const ViewVolume& volume = scene.volumes[v];
         if (!scattersFully(volume)) continue;
         BakedVolume& baked = out[v];
-        baked.change = solved.converged ? 0 : solved.change;
+        baked.iterationError = solved.converged ? 0 : solved.error;
         parallelFor(baked.blockOrigins.size(), [&](std::size_t b) {
             for (int i = 0; i < kBlockVoxels; ++i) {
                 if (!baked.active[b][std::size_t(i)]) continue;

@@ -30,9 +30,9 @@ struct BakedVolume {
     /// volume does not scatter light more than once.
     std::vector<float> indirect;
     std::array<std::vector<float>, 3> flux;
-    /// The change that one more sweep would make of light that has scattered before, where that is more than the dial
-    /// asks for; else 0.
-    double change = 0;
+    /// The estimated error of the iteration for light that has scattered before, where that is more than the dial asks
+    /// for; else 0.
+    double iterationError = 0;
 };
 
 /// Bakes each volume of `scene`; the camera is ignored. All volumes cast shadows. `wanted`: for each light of the

@@ -180,7 +180,7 @@ std::vector<CellLight> allLightOnCells(const ViewScene& scene, const Plan& plan,
     if (plan.transport.any()) {
         Solved solved;
         all = scatteredLight(scene, plan.transport, plan.simd, checkpoint, solved, frame.work.bytes.scattered);
-        frame.scatterChange = solved.change;
+        frame.scatterError = solved.error;
         frame.scatterConverged = solved.converged;
         frame.work.scatterSweeps = static_cast<std::uint64_t>(solved.sweeps);
         frame.work.scatterDirections = solved.cellDirections;

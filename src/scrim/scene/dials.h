@@ -48,8 +48,8 @@ struct Dials {
     std::optional<double> scatterCell;
     /// Directions that carry multiply scattered light; no value: chosen from the phase functions.
     std::optional<int> scatterDirections;
-    /// Sweeps of multiply scattered light end when one changes it by less than this, relative.
-    double scatterError = 0.002;
+    /// Sweeps of multiply scattered light end when further ones are expected to change it by less than this, relative.
+    double scatterError = 0.005;
     std::optional<int> shutterSamples;  ///< renders that motion blur averages; no value: chosen from the motion
     std::string simd = "auto";          ///< instruction set: "auto", or the highest one allowed
 };

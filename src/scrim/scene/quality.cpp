@@ -188,8 +188,9 @@ std::vector<Dial> makeDials() {
                            "edge of the cells for multiple scattering (scattering = 'full'); auto: chosen for the "
                            "error that the preset promises; error of first order, time and memory of third"));
     all.push_back(scatterDirections());
-    all.push_back(number("scatter_error", "relative change", 1e-6, 0.1, &Dials::scatterError,
-                         "largest change by a further sweep at which multiple scattering counts as converged"));
+    all.push_back(number("scatter_error", "relative error", 1e-6, 0.1, &Dials::scatterError,
+                         "part of the multiply scattered light that further sweeps may still change, by an estimate; "
+                         "with more, it counts as not converged"));
     all.push_back(shutterSamples());
     all.push_back(simd());
     for (Dial& dial : all) {

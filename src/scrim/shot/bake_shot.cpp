@@ -267,11 +267,11 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
             if (!isThere)
                 notify(options.messages, Severity::warning,
                        fmt::format("frame {}: volume '{}' has no density; its grids are empty", frame, name));
-            if (own && own->change > 0)
+            if (own && own->iterationError > 0)
                 notify(options.messages, Severity::warning,
-                       fmt::format("frame {}: volume '{}': scattered light has not converged: a further sweep would "
-                                   "change it by {:.2g} %",
-                                   frame, name, 100 * own->change));
+                       fmt::format("frame {}: volume '{}': scattered light has not converged: further sweeps would "
+                                   "change it by about {:.2g} %",
+                                   frame, name, 100 * own->iterationError));
             maker.addVolume(v, isThere ? &*shown : nullptr, own, wanted, request);
         }
         out.grids = maker.take();

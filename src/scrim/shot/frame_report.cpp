@@ -163,7 +163,7 @@ std::string reportAsJson(const ShotReport& r) {
                             {"bound", t->bound},   {"attempts", t->attempts},
                             {"met", t->met}};
     if (const auto& s = r.scattering)
-        out["scattering"] = {{"wanted", s->wanted}, {"change", s->change}, {"converged", s->converged}};
+        out["scattering"] = {{"wanted", s->wanted}, {"error", s->error}, {"converged", s->converged}};
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

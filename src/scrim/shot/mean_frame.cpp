@@ -22,7 +22,7 @@ void MeanFrame::add(Frame frame) {
     if (frame.deep) addDeep(*frame.deep);
     m_mean.work += frame.work;
     m_mean.times += frame.times;
-    m_mean.scatterChange = std::max(m_mean.scatterChange, frame.scatterChange);
+    m_mean.scatterError = std::max(m_mean.scatterError, frame.scatterError);
     m_mean.scatterConverged = m_mean.scatterConverged && frame.scatterConverged;
 }
 

@@ -231,7 +231,7 @@ Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotRep
     Frame frame = FrameRender(shot, options, report, begins).run();
     report.workJson = workAsJson(frame.work);
     if (frame.work.scatterSweeps > 0)
-        report.scattering = {shot.scene.dials.scatterError, frame.scatterChange, frame.scatterConverged};
+        report.scattering = {shot.scene.dials.scatterError, frame.scatterError, frame.scatterConverged};
     report.seconds.prepare = frame.times.prepare;
     report.seconds.scatter = frame.times.scatter;
     report.seconds.splat = frame.times.splat;

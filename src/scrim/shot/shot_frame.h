@@ -73,8 +73,8 @@ struct ToleranceReport {
 /// The convergence of multiply scattered light.
 struct ScatteringReport {
     double wanted = 0;      ///< the dial scatter_error
-    double change = 0;      ///< relative change by one more sweep
-    bool converged = true;  ///< `change` is at most `wanted`
+    double error = 0;       ///< what further sweeps would change, relative: an estimate
+    bool converged = true;  ///< `error` is at most `wanted`
 };
 
 struct ShotReport {

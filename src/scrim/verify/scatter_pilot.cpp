@@ -114,10 +114,10 @@ class Look {
     std::vector<LightAt> m_lights;
 };
 
-ViewScene withCells(const ViewScene& scene, double cell) {
+ViewScene withCells(const ViewScene& scene, double cell, int directions = kOrdinateCounts[0]) {
     ViewScene with = scene;
     with.dials.scatterCell = cell;
-    with.dials.scatterDirections = kOrdinateCounts[0];
+    with.dials.scatterDirections = directions;
     with.memoryLimit = 0;
     return with;
 }
@@ -129,8 +129,7 @@ bool isSmall(const ViewScene& scene, double cell) {
     return planTransport(withCells(scene, cell)).bytes <= most;
 }
 
-std::vector<CellLight> solvedWith(const ViewScene& scene, double cell) {
-    const ViewScene with = withCells(scene, cell);
+std::vector<CellLight> solved(const ViewScene& with) {
     TransportPlan plan = planTransport(with);
     plan.coarse = true;
     plan.colours = 1;  // of the brightest, which stands for all
@@ -139,10 +138,13 @@ std::vector<CellLight> solvedWith(const ViewScene& scene, double cell) {
     return scatteredLight(with, plan, {}, {}, solved, bytes);
 }
 
-// Sets what rays over the whole picture see of both solves.
-void look(const ViewScene& scene, const std::vector<CellLight>& fine, const std::vector<CellLight>& coarse,
-          ScatterPilot& pilot) {
-    const Look eye(scene, fine, coarse);
+// What rays over the whole picture see of two solves: the RMS difference, and the light that scattered more than once,
+// relative to all light.
+struct Compared {
+    double difference = 0, share = 0;
+};
+Compared compare(const ViewScene& scene, const std::vector<CellLight>& fine, const std::vector<CellLight>& other) {
+    const Look eye(scene, fine, other);
     const RayFamily rays = wsRays(scene.camera);
     const Int2 size = scene.camera.resolution;
     double squares = 0, all = 0, again = 0;
@@ -162,9 +164,8 @@ void look(const ViewScene& scene, const std::vector<CellLight>& fine, const std:
             all += s.direct + s.again[0];
         }
     }
-    if (!(all > 0)) return;
-    pilot.difference = std::sqrt(squares / count) / (all / count);
-    pilot.share = again / all;
+    if (!(all > 0)) return {};
+    return {std::sqrt(squares / count) / (all / count), again / all};
 }
 
 }  // namespace
@@ -180,9 +181,10 @@ double ScatterPilot::ofDirections(std::size_t i) const {
     // With 64 and 128 ordinates, smoke of g = 0.6 left 0.28 and 0.3 of this, and a cloud of g = 0.75 and 0.9 0.07 to
     // 0.12 beside 1,024 ordinates; with 256 it left 0.05 to 0.09.
     constexpr double kPerStraight[] = {0.3, 0.3, 0.12};
-    // Measured in a room of haze with a window, whose walls have an albedo of 0.8.
-    constexpr double kOfWalls[] = {0.018, 0.007, 0.007};
-    return std::hypot(kPerStraight[i] * straight[i] * share, wallsSendBack ? kOfWalls[i] : 0);
+    // Ray effects: bright spots send light along ordinates, and none between them. In a cloud in the sun 64 and 128
+    // ordinates left 1.3 and 0.6 % beside 256, and in a room of haze with a window 1.8 and 0.7 %.
+    constexpr double kPerRayEffect[] = {1, 0.45, 0.2};
+    return std::max(kPerStraight[i] * straight[i] * share, kPerRayEffect[i] * rayEffects);
 }
 
 std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
@@ -195,13 +197,13 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
             pilot.straight[i] =
                 std::max(pilot.straight[i], SplitPhase(volume.medium.phase, kOrdinateCounts[i]).straight());
     }
-    pilot.wallsSendBack = wallsSendBack(given);
     ViewScene scene = withFewSubLights(given, kLights);
     scene.layers.clear();
     const double longest = largest(wsBounds(scene).size()) / voxelUnit(scene);
     pilot.edge = 2 * std::max(longest / kFewestAlong, 1.0);
-    std::vector<CellLight> coarse = solvedWith(scene, 2 * pilot.edge), fine = solvedWith(scene, pilot.edge);
-    look(scene, fine, coarse, pilot);
+    std::vector<CellLight> coarse = solved(withCells(scene, 2 * pilot.edge)),
+                           fine = solved(withCells(scene, pilot.edge));
+    Compared seen = compare(scene, fine, coarse);
     // Cells that are too large for what is in a volume all miss it, and hardly differ: in a cloud of 350 voxels by 20,
     // 16, 17 and 13 % with cells of 29, 15, 7 and 4 voxels. Then finer ones tell more: on a cloud of 200 voxels the
     // error was 3.8 % with the cells that those of 8 voxels suggest, and 1.8 % with those that 4 do, where 2 % are
@@ -210,39 +212,49 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
     double before = 0;
     do {
         coarse = std::move(fine);
-        before = pilot.difference;
+        before = seen.difference;
         pilot.edge /= 2;
-        fine = solvedWith(scene, pilot.edge);
-        look(scene, fine, coarse, pilot);
-    } while (pilot.difference > kFalls * before && pilot.edge >= 2 && longest / pilot.edge < kMostAlong / 2 &&
+        fine = solved(withCells(scene, pilot.edge));
+        seen = compare(scene, fine, coarse);
+    } while (seen.difference > kFalls * before && pilot.edge >= 2 && longest / pilot.edge < kMostAlong / 2 &&
              isSmall(scene, pilot.edge / 2));
+    pilot.difference = seen.difference;
+    pilot.share = seen.share;
+    pilot.rayEffects = compare(scene, fine, solved(withCells(scene, pilot.edge, kOrdinateCounts[1]))).difference;
     return pilot;
 }
 
 ScatterChoice chooseScattering(const ScatterPilot& pilot, const Dials& dials, double error) {
-    constexpr double kOfDirections = 0.7;  // the most of the error that directions may have, if more can be had
-    std::size_t i = 0;
-    if (dials.scatterDirections)
-        i = std::size_t(std::find(std::begin(kOrdinateCounts), std::end(kOrdinateCounts), *dials.scatterDirections) -
-                        std::begin(kOrdinateCounts));
-    else
-        while (i + 1 < std::size(kOrdinateCounts) && pilot.ofDirections(i) > kOfDirections * error) ++i;
-    const double directions = pilot.ofDirections(i);
     // Where directions alone leave more than is promised, cells that are much finer would cost time for nothing.
-    constexpr double kBeside = 0.75, kLeast = 0.5;
-    const double left = std::max(
-        {std::sqrt(std::max(error * error - directions * directions, 0.0)), kLeast * error, kBeside * directions});
-    double cell = kCoarsest;
-    if (pilot.difference > 0) cell = pilot.edge * std::pow(left / pilot.ofCells(pilot.edge), 1 / kOrder);
-    cell = std::max(std::floor(100 * std::min(cell, std::min(kCoarsest, 2 * pilot.edge))) / 100, kFinestScatterCell);
-    ScatterChoice choice{dials.scatterCell.value_or(cell), kOrdinateCounts[i], 0, {}};
-    const double ofCells = pilot.ofCells(choice.cell);
+    constexpr double kBeside = 0.75, kLeast = 0.5, kMostOfDirections = 0.866;
+    const auto cellBeside = [&](double ofDirections) {
+        const double left = std::max({std::sqrt(std::max(error * error - ofDirections * ofDirections, 0.0)),
+                                      kLeast * error, kBeside * ofDirections});
+        double cell = kCoarsest;
+        if (pilot.difference > 0) cell = pilot.edge * std::pow(left / pilot.ofCells(pilot.edge), 1 / kOrder);
+        cell = std::floor(100 * std::min({cell, kCoarsest, 2 * pilot.edge})) / 100;
+        return dials.scatterCell.value_or(std::max(cell, kFinestScatterCell));
+    };
+    const auto costOf = [&](std::size_t i) {
+        return kOrdinateCounts[i] / std::pow(cellBeside(pilot.ofDirections(i)), 3);
+    };
+    std::optional<std::size_t> chosen;
+    for (std::size_t i = 0; i < std::size(kOrdinateCounts); ++i) {
+        if (dials.scatterDirections && *dials.scatterDirections != kOrdinateCounts[i]) continue;
+        // Few directions with fine cells may cost less than many with coarse ones.
+        const bool enough = chosen && pilot.ofDirections(*chosen) <= kMostOfDirections * error;
+        if (!enough || costOf(i) < costOf(*chosen)) chosen = i;
+    }
+    const std::size_t i = *chosen;
+    ScatterChoice choice{cellBeside(pilot.ofDirections(i)), kOrdinateCounts[i], 0, {}};
+    const double ofCells = pilot.ofCells(choice.cell), directions = pilot.ofDirections(i);
     choice.expected = std::hypot(ofCells, directions);
     choice.why = fmt::format(
         "cells of {:.4g} voxels are expected to leave {:.2g} %, since solves with cells of {:.3g} and {:.3g} voxels "
-        "differ by {:.2g} %; {} directions leave {:.2g} %, since {:.2g} % of the light goes on too straight for them{}",
+        "differ by {:.2g} %; {} directions leave {:.2g} %, since twice 64 change {:.2g} %, and {:.2g} % of the light "
+        "goes on too straight for them",
         choice.cell, 100 * ofCells, pilot.edge, 2 * pilot.edge, 100 * pilot.difference, choice.directions,
-        100 * directions, 100 * pilot.straight[i], pilot.wallsSendBack ? ", and walls send light back" : "");
+        100 * directions, 100 * pilot.rayEffects, 100 * pilot.straight[i]);
     return choice;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Estimates the error of multiply scattered light before anything is rendered, and chooses its cells and directions.
-// Two solves in coarse cells, one of them in cells twice as large, show a few rays how much light depends on cells. The
-// moments of the phase functions tell how much of it is scattered more narrowly than directions can resolve.
+// Two solves in coarse cells, one of them in cells twice as large, show a few rays how much light depends on cells, and
+// one with twice as many directions how much on those. The moments of the phase functions tell how much light is
+// scattered more narrowly than directions can resolve.
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -18,12 +19,12 @@ inline constexpr double kFinestScatterCell = 0.5;  ///< voxels; cells are never 
 /// (kScatteringMean).
 struct ScatterPilot {
     double edge = 0;        ///< the edge of the smaller cells, voxels
-    double difference = 0;  ///< RMS over the rays of the difference between the two solves
+    double difference = 0;  ///< RMS over the rays of the difference between the solves with these cells and with larger
+    double rayEffects = 0;  ///< the same for the solves with 64 and with 128 directions
     double share = 0;       ///< the part of all light that has scattered more than once
     /// For each of kOrdinateCounts the part of the scattered light that goes straight on, of the narrowest phase
     /// function (SplitPhase).
     std::array<double, 3> straight{};
-    bool wallsSendBack = false;  ///< solids send light back, from spots that few directions blur
 
     /// The error that cells of `cell` voxels are expected to leave; nine of ten scenes have less.
     double ofCells(double cell) const;

@@ -107,9 +107,9 @@ struct Frame {
     /// In the order of ViewScene::layers; one for each light, group, shadow or volume, in the scene's order.
     std::vector<FrameLayer> layers;
     std::optional<DeepImage> deep;  ///< where requested; over the image's window, in the working space
-    /// Relative change of multiply scattered light by one more sweep; 0: there is no such light.
-    double scatterChange = 0;
-    bool scatterConverged = true;  ///< `scatterChange` is at most scatter_error
+    /// Estimated relative error of the iteration for multiply scattered light; 0: there is no such light.
+    double scatterError = 0;
+    bool scatterConverged = true;  ///< `scatterError` is at most scatter_error
     RenderWork work;
     StageTimes times;
 };

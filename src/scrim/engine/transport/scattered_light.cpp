@@ -109,9 +109,8 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
 void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                            const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint) {
     const Ordinates directions = ordinates(plan.ordinates);
-    TransportSolver solver(
-        media, classes,
-        {directions, scene.dials.scatterError, 60, true, simd, checkpoint, m_kept == Kept::meanAndFlux});
+    TransportSolver solver(media, classes,
+                           {directions, scene.dials.scatterError, 60, simd, checkpoint, m_kept == Kept::meanAndFlux});
     m_bytes += solver.bytes();
     const bool eye = m_kept == Kept::towardsEye;
     for (std::size_t t = 0; t < m_targets.size(); ++t) {

@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -17,47 +15,26 @@ namespace scrim {
 namespace {
 
 constexpr std::size_t kFewestCells = 4 * kBlockCells, kMostLevels = 6;  // smaller grids are not made coarser
-// Relative tolerance for a residual. More precision is pointless, since coarser cells only approximate the finer ones.
+// Coarser cells reduce a residual to this part. More precision is pointless, since they only approximate finer ones.
 constexpr double kCoarseTolerance = 0.2;
 // Sweeps of coarser cells for each sweep of finer ones (few, since every level calls the next), and of the coarsest.
 constexpr int kCoarseSweeps = 3, kCoarsestSweeps = 40;
-// Consecutive sweeps that reduce the change by less than a tenth; then further ones are useless.
-constexpr int kIdleSweeps = 6;
-constexpr double kFall = 0.25;  // initial estimate of the change's ratio from sweep to sweep of the finest cells
-// Steps that Anderson's acceleration mixes: few where it stands alone for cells that have a value for each ordinate.
+// Consecutive sweeps that reduce the residual to no less than kIdle of what it was; then further ones are useless.
+constexpr double kIdle = 0.95, kIdleSweeps = 6;
+constexpr double kFall = 0.3;  // initial estimate of the residual's ratio from sweep to sweep of the finest cells
+// Steps that Anderson's acceleration mixes: few for cells that have a value for each ordinate.
 constexpr std::size_t kHistory = 6, kShortHistory = 3;
-constexpr std::size_t kChunk = 2048;  // rows in a task
-template <class Task>
-void forChunks(std::size_t count, const Task& task) {
-    parallelFor((count + kChunk - 1) / kChunk,
-                [&](std::size_t i) { task(i * kChunk, std::min(count, (i + 1) * kChunk)); });
-}
-
-// The sum of term(row) over rows, in a fixed order.
-template <class Term>
-double sumOf(std::size_t count, const Term& term) {
-    std::vector<double> sums((count + kChunk - 1) / kChunk);
-    forChunks(count, [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (std::size_t row = begin; row < end; ++row) sum += term(row);
-        sums[begin / kChunk] = sum;
-    });
-    return std::accumulate(sums.begin(), sums.end(), 0.0);
-}
 
 // Whether light from outside of all cells gets past the walls of `grid` to the cells at its border, see CellSweep.
 std::vector<std::uint8_t> bordersOpen(const CellGrid& grid, const Ordinates& ordinates) {
     const Int3 size = grid.blocks() * kCellEdge;
     const auto count = std::size_t(ordinates.count());
-    std::vector<std::uint8_t> open((std::size_t(size.y) * std::size_t(size.z) +
-                                    std::size_t(size.x) * std::size_t(size.z) +
-                                    std::size_t(size.x) * std::size_t(size.y)) *
-                                   count);
+    std::vector<std::uint8_t> open;
     constexpr double kFar = 1e9;  // edges
-    std::size_t face = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-        const std::size_t first = face, faces = std::size_t(size[u]) * std::size_t(size[v]);
+        const std::size_t first = open.size(), faces = std::size_t(size[u]) * std::size_t(size[v]);
+        open.resize(first + faces * count);
         parallelFor(faces, [&](std::size_t i) {
             Int3 cell(0);
             cell[u] = static_cast<int>(i) % size[u];
@@ -65,11 +42,9 @@ std::vector<std::uint8_t> bordersOpen(const CellGrid& grid, const Ordinates& ord
             for (std::size_t m = 0; m < count; ++m) {
                 cell[axis] = ordinates.directions[m][axis] < 0 ? size[axis] - 1 : 0;
                 const Vec3 ws = grid.wsInside(cell);
-                open[(first + i) * count + m] =
-                    grid.sees(ws, ws - kFar * grid.edge() * ordinates.directions[m]) ? 1 : 0;
+                open[first + i * count + m] = grid.sees(ws, ws - kFar * grid.edge() * ordinates.directions[m]) ? 1 : 0;
             }
         });
-        face += faces;
     }
     return open;
 }
@@ -103,7 +78,7 @@ TransportSolver::TransportSolver(const CellMedia& media, const std::vector<Scatt
         for (std::size_t k = 0; k < m_full; ++k)
             m_matrices.push_back(scatteringMatrix(m_settings.ordinates, classes[k].split.spread()));
     m_levels.emplace_back().own = &media;
-    while (m_settings.accelerate && !media.grid.hasWalls() && m_levels.size() < kMostLevels &&
+    while (!media.grid.hasWalls() && m_levels.size() < kMostLevels &&
            m_levels.back().cells().grid.cells() > kFewestCells) {
         CellMedia next = coarser(m_levels.back().cells());
         // Few blocks may be as many in cells twice as large, which then cost as much.
@@ -178,7 +153,7 @@ std::vector<Real>& TransportSolver::clearedSource() {
 void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
     if (m_settings.checkpoint) m_settings.checkpoint();
     const std::size_t values = valuesPerRow();
-    forChunks(level.rowCount, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(level.rowCount, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row)
             for (std::size_t i = row * values; i < (row + 1) * values; ++i) {
                 const Real sent = level.scattering[row] * level.x[i] + level.source[i];
@@ -207,7 +182,7 @@ void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
 
 // Converts the radiance along each ordinate to what a unit of scattering coefficient emits along each.
 void TransportSolver::scatter(Level& level) const {
-    forChunks(level.rowCount, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(level.rowCount, [&](std::size_t begin, std::size_t end) {
         mixOrdinates(m_matrices, level.shares, begin, end, valuesPerRow(), level.next.data(), m_settings.simd);
     });
 }
@@ -215,7 +190,7 @@ void TransportSolver::scatter(Level& level) const {
 // The inner product of two vectors like x, weighted by what cells and sides scatter.
 double TransportSolver::product(const Level& level, const std::vector<Real>& a, const std::vector<Real>& b) const {
     const std::size_t values = valuesPerRow();
-    double all = sumOf(level.rowCount, [&](std::size_t row) {
+    double all = parallelSum(level.rowCount, [&](std::size_t row) {
         double sum = 0;
         for (std::size_t i = row * values; i < (row + 1) * values; ++i) sum += double(a[i]) * double(b[i]);
         return sum * double(level.scattering[row]);
@@ -225,26 +200,27 @@ double TransportSolver::product(const Level& level, const std::vector<Real>& a, 
     return all;
 }
 
-// The relative change of the scattered light by the last sweep.
-double TransportSolver::changeOf(const Level& level) const {
-    const std::size_t values = valuesPerRow();
-    const auto total = [&](std::size_t row, const auto& value) {
+// The light that `values` of a level are, or their difference to `minus`: a sum over cells, each of which counts
+// without its sign.
+double TransportSolver::lightOf(const Level& level, const std::vector<Real>& values,
+                                const std::vector<Real>* minus) const {
+    const std::size_t each = valuesPerRow();
+    const auto value = [&](std::size_t i) { return double(minus ? values[i] - (*minus)[i] : values[i]); };
+    double all = parallelSum(level.rowCount, [&](std::size_t row) {
         double sum = 0;
-        for (std::size_t m = 0; m < values; ++m)
-            sum += (m_isotropic ? 1 : m_settings.ordinates.weights[m]) * double(value(row * values + m));
+        for (std::size_t m = 0; m < each; ++m)
+            sum += (m_isotropic ? 1 : m_settings.ordinates.weights[m]) * value(row * each + m);
         return std::abs(sum) * double(level.scattering[row]);
-    };
-    double change = sumOf(level.rowCount, [&](std::size_t row) {
-        return total(row, [&](std::size_t i) { return level.next[i] - level.x[i]; });
     });
-    double all = sumOf(level.rowCount,
-                       [&](std::size_t row) { return total(row, [&](std::size_t i) { return level.next[i]; }); });
-    for (std::size_t i = 0, at = level.rowCount * values; i < level.sides.size(); ++i, ++at) {
-        const double weight = (m_isotropic ? 1 : 4 * std::numbers::pi) * double(level.sides[i]);
-        change += weight * std::abs(double(level.next[at] - level.x[at]));
-        all += weight * std::abs(double(level.next[at]));
-    }
-    return all > 0 ? change / all : 0;
+    for (std::size_t i = 0, at = level.rowCount * each; i < level.sides.size(); ++i, ++at)
+        all += (m_isotropic ? 1 : 4 * std::numbers::pi) * double(level.sides[i]) * std::abs(value(at));
+    return all;
+}
+
+// The residual of the last sweep, relative to the scattered light.
+double TransportSolver::residualOf(const Level& level) const {
+    const double all = lightOf(level, level.next);
+    return all > 0 ? lightOf(level, level.next, &level.x) / all : 0;
 }
 
 // Sets the source of the coarser cells: that of the finer ones, or the residual of a sweep of these.
@@ -295,50 +271,95 @@ void TransportSolver::start(std::size_t level, const Real* inflow) {
     Level& coarse = m_levels[level + 1];
     restrict(here, coarse, false);
     start(level + 1, inflow);
-    iterate(level + 1, inflow, kCoarseTolerance, 2 * kCoarseSweeps, nullptr);
+    reduce(level + 1, inflow, 2 * kCoarseSweeps);
     prolong(coarse, here, false);
 }
 
-// Iterates until a sweep changes x by no more than `tolerance`; returns the change. On return x is the last iterate.
-// `ahead`: if given, iteration ends when the next sweep is expected to change no more than that, and it becomes false
-// if iteration ended for another reason.
-double TransportSolver::iterate(std::size_t level, const Real* inflow, double tolerance, int mostSweeps, bool* ahead) {
+// Improves x after a sweep with residual r = G(x) - x; returns by how much light, relative to that of r.
+double TransportSolver::improve(std::size_t level, AndersonMixing& anderson) {
     Level& here = m_levels[level];
-    const bool coarsest = level + 1 == m_levels.size();
+    if (level + 1 == m_levels.size()) return anderson.step(here.x, here.next);
+    // The error of x is r + K r + ..., K being a sweep without sources: r itself, and its scattering, which coarser
+    // cells compute.
+    Level& coarse = m_levels[level + 1];
+    restrict(here, coarse, true);
+    std::fill(coarse.x.begin(), coarse.x.end(), Real(0));
+    reduce(level + 1, nullptr, kCoarseSweeps);
+    constexpr double kVolume = 8;  // of a coarser cell
+    const double residual = level == 0 ? lightOf(here, here.next, &here.x) : 0;
+    const double gain = residual > 0 ? 1 + kVolume * lightOf(coarse, coarse.x) / residual : 1;
+    // In cells in which light scatters many times, sweeps smooth little, and corrections are too small or too large.
+    // Mixing them takes half the sweeps; with a value for each ordinate it would double the memory.
+    if (level > 0 || !m_isotropic) {
+        prolong(coarse, here, true);
+        return gain;
+    }
+    std::vector<Real> before = here.x;
+    prolong(coarse, here, true);
+    here.next.swap(here.x);
+    here.x.swap(before);
+    anderson.step(here.x, here.next);
+    return gain;
+}
+
+AndersonMixing TransportSolver::mixing(std::size_t level) const {
+    const Level& here = m_levels[level];
     const std::size_t history = here.cells().grid.hasWalls() && !m_isotropic ? kShortHistory : kHistory;
-    AndersonMixing anderson(history, [&](const auto& a, const auto& b) { return product(here, a, b); });
-    double change = 0, least = std::numeric_limits<double>::infinity();
-    if (coarsest && level > 0) mostSweeps = std::max(mostSweeps, kCoarsestSweeps);
+    return {history, [this, &here](const auto& a, const auto& b) { return product(here, a, b); }};
+}
+
+// Reduces the residual of coarser cells to kCoarseTolerance of what it is at first. (Its ratio to x says little: where
+// light scatters a hundred times, x grows for as long.)
+void TransportSolver::reduce(std::size_t level, const Real* inflow, int mostSweeps) {
+    Level& here = m_levels[level];
+    AndersonMixing anderson = mixing(level);
+    if (level + 1 == m_levels.size()) mostSweeps = std::max(mostSweeps, kCoarsestSweeps);
+    double first = 0, least = HUGE_VAL;
     for (int i = 0, idle = 0; i < mostSweeps && idle < kIdleSweeps; ++i) {
         sweep(here, inflow, false);
-        change = changeOf(here);
-        if (change <= tolerance) break;
-        // The ratio of the change from one sweep to the next is about constant.
-        const bool enough = ahead && 2 * change * (i > 0 ? change / least : kFall) <= tolerance;
-        idle = change < 0.9 * least || !m_settings.accelerate ? 0 : idle + 1;
-        least = std::min(least, change);
-        if (!m_settings.accelerate) {
+        const double residual = lightOf(here, here.next, &here.x);
+        if (i == 0) first = residual;
+        if (residual <= kCoarseTolerance * first) {
             here.x = here.next;
-        } else if (coarsest) {
-            anderson.step(here.x, here.next);
-        } else {
-            // The remaining error is r + K r + ..., with r = G(x) - x: r itself, and its scattering, which coarser
-            // cells compute.
-            Level& coarse = m_levels[level + 1];
-            restrict(here, coarse, true);
-            std::fill(coarse.x.begin(), coarse.x.end(), Real(0));
-            iterate(level + 1, nullptr, kCoarseTolerance, kCoarseSweeps, nullptr);
-            prolong(coarse, here, true);
+            return;
         }
-        if (enough) return change;
+        idle = residual < kIdle * least ? 0 : idle + 1;
+        least = std::min(least, residual);
+        improve(level, anderson);
+    }
+}
+
+// Iterates on the finest cells until the error of x is estimated to be at most the tolerance; returns that estimate.
+// `ahead`: if given, iteration ends when the next sweep is expected to show that, and it becomes false if iteration
+// ended for another reason.
+double TransportSolver::iterate(const Real* inflow, bool* ahead) {
+    Level& here = m_levels.front();
+    AndersonMixing anderson = mixing(0);
+    double error = 0, before = 0, least = HUGE_VAL;
+    for (int i = 0, idle = 0; i < m_settings.mostSweeps && idle < kIdleSweeps; ++i) {
+        sweep(here, inflow, false);
+        const double residual = residualOf(here), fall = i > 0 ? residual / before : kFall;
+        // Steps without coarser cells are small if the residual falls slowly.
+        if (m_levels.size() == 1 && i > 0 && fall < 1) m_gain = std::max(m_gain, 1 / (1 - fall));
+        error = m_gain * residual;
+        if (residual == 0 || (i > 0 && error <= m_settings.tolerance)) {
+            here.x = here.next;
+            break;
+        }
+        idle = residual < kIdle * least ? 0 : idle + 1;
+        least = std::min(least, before = residual);
+        m_gain = std::max(m_gain, improve(0, anderson));
+        // The residual's ratio from one sweep to the next is about constant.
+        if (ahead && (i > 0 || m_levels.size() > 1) && 2 * m_gain * residual * fall <= m_settings.tolerance)
+            return error;
     }
     if (ahead) *ahead = false;
-    if (change <= tolerance) here.x = here.next;
-    return change;
+    return error;
 }
 
 Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflow) {
     m_solved = {};
+    m_gain = 1;
     for (Level& level : m_levels) chooseColour(level, colour);
     const Real* from = inflow.empty() ? nullptr : inflow.data();
     const CellGrid& grid = m_levels.front().cells().grid;
@@ -346,15 +367,15 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     start(0, from);
     // The sweep whose result is visible also shows what remained to be done, unless much of it is below zero.
     Level& finest = m_levels.front();
-    bool ahead = m_settings.accelerate;
-    m_solved.change = iterate(0, from, m_settings.tolerance, m_settings.mostSweeps, ahead ? &ahead : nullptr);
+    bool ahead = true;
+    m_solved.error = iterate(from, &ahead);
     sweep(finest, from, true);
-    if (ahead) m_solved.change = changeOf(finest);
-    if (ahead && m_solved.change > m_settings.tolerance) {
-        m_solved.change = iterate(0, from, m_settings.tolerance, m_settings.mostSweeps, nullptr);
+    if (ahead) m_solved.error = m_gain * residualOf(finest);
+    if (ahead && m_solved.error > m_settings.tolerance) {
+        m_solved.error = iterate(from, nullptr);
         sweep(finest, from, true);
     }
-    m_solved.converged = m_solved.change <= m_settings.tolerance;
+    m_solved.converged = m_solved.error <= m_settings.tolerance;
     return m_solved;
 }
 

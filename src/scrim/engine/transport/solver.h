@@ -12,6 +12,7 @@
 // alone. Where walls send light back, what arrives at them is unknown, too, and belongs to X.
 #pragma once
 
+#include <scrim/base/anderson.h>
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/transport/cell_media.h>
@@ -30,13 +31,13 @@ namespace scrim {
 struct Solved {
     int sweeps = 0;                    ///< sweeps of the finest cells
     std::uint64_t cellDirections = 0;  ///< cells times ordinates, over all sweeps and cell sizes
-    double change = 0;                 ///< relative change of the scattered light by the last sweep
+    double error = 0;  ///< what further sweeps would change, relative to the scattered light: an estimate
     bool converged = true;
 
     Solved& operator+=(const Solved& o) {
         sweeps += o.sweeps;
         cellDirections += o.cellDirections;
-        change = std::max(change, o.change);
+        error = std::max(error, o.error);
         converged = converged && o.converged;
         return *this;
     }
@@ -46,9 +47,8 @@ class TransportSolver {
   public:
     struct Settings {
         Ordinates ordinates;
-        double tolerance = 0.002;  ///< iteration ends when a sweep changes less than this, relative
+        double tolerance = 0.005;  ///< iteration ends where Solved::error is less
         int mostSweeps = 60;       ///< sweeps of the finest cells
-        bool accelerate = true;    ///< false: plain iteration, for comparison
         Simd simd;
         std::function<void()> checkpoint;  ///< called before each sweep; throws to stop
         bool directional = false;          ///< rows hold all ordinates, even if all phase functions are isotropic
@@ -88,9 +88,13 @@ class TransportSolver {
     void sweep(Level& level, const Real* inflow, bool last);
     void scatter(Level& level) const;
     double product(const Level& level, const std::vector<Real>& a, const std::vector<Real>& b) const;
-    double changeOf(const Level& level) const;
+    double lightOf(const Level& level, const std::vector<Real>& values, const std::vector<Real>* minus = nullptr) const;
+    double residualOf(const Level& level) const;
     void start(std::size_t level, const Real* inflow);
-    double iterate(std::size_t level, const Real* inflow, double tolerance, int mostSweeps, bool* ahead);
+    AndersonMixing mixing(std::size_t level) const;
+    double improve(std::size_t level, AndersonMixing& anderson);
+    void reduce(std::size_t level, const Real* inflow, int mostSweeps);
+    double iterate(const Real* inflow, bool* ahead);
     void restrict(const Level& fine, Level& coarse, bool residual) const;
     void prolong(const Level& coarse, Level& fine, bool add) const;
 
@@ -103,6 +107,7 @@ class TransportSolver {
     std::vector<Real> m_mean, m_scratch;        // memory of sweeps, kept because fresh memory is slow
     std::vector<std::uint8_t> m_border;         // see CellSweep
     std::vector<Real> m_back, m_caught;         // for each side of walls (see CellSweep)
+    double m_gain = 1;                          // of the current solve: the error of x, relative to its residual
     Solved m_solved;
 };
 
