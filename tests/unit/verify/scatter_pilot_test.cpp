@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The choice of cells and directions by a pilot.
 #include "full_smoke.h"
-#include "support/meshes.h"
+#include "support/fields.h"
 
 #include <scrim/scene/quality.h>
 #include <scrim/verify/promise.h>
 #include <scrim/verify/scatter_pilot.h>
 
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
 
 namespace scrim::test {
 namespace {
@@ -57,14 +60,44 @@ TEST(ScatterChoice, TakesMoreDirectionsForNarrowerLobes) {
     EXPECT_EQ(chooseScattering(*scatterPilot(smoke(0.4, 0.9)), {}, 0.02).directions, 256);
 }
 
-TEST(ScatterChoice, TakesMoreDirectionsWhereWallsSendLightBack) {
-    ViewScene scene = smoke(0.4, 0);
-    const auto directions = [&](const Rgb& albedo) {
-        scene.solids = oneSolid(squareMesh({0, 0, -25}, {0, 0, 1}, 30), false, true, false, albedo);
-        return chooseScattering(*scatterPilot(scene), {}, 0.02).directions;
+// The RMS difference of means over 4 x 4 pixels, relative to their mean.
+double differenceOfSquares(const Image& a, const Image& b) {
+    double squares = 0, mean = 0;
+    const Int2 size = Int2(a.window.width(), a.window.height()) / 4;
+    for (int i = 0; i < size.x * size.y; ++i) {
+        double difference = 0;
+        for (int k = 0; k < 16; ++k) {
+            const std::size_t at = a.indexOf(i % size.x * 4 + k % 4, i / size.x * 4 + k / 4) + 1;
+            difference += double(a.rgba[at] - b.rgba[at]) / 16;
+            mean += double(b.rgba[at]) / 16;
+        }
+        squares += difference * difference;
+    }
+    return std::sqrt(squares * size.x * size.y) / mean;
+}
+
+// Isotropic smoke with a small lamp within, and the same smoke lit evenly from all sides.
+TEST(ScatterPilot, ForeseesTheErrorOfFewDirections) {
+    const auto bothOf = [](const ViewScene& scene) {
+        const auto rendered = [&](int directions) {
+            ViewScene with = scene;
+            with.dials.scatterCell = 1;
+            with.dials.scatterDirections = directions;
+            return renderScene(with).image;
+        };
+        return std::pair(scatterPilot(scene)->ofDirections(0), differenceOfSquares(rendered(64), rendered(256)));
     };
-    EXPECT_EQ(directions(Rgb(0)), 64);
-    EXPECT_EQ(directions(Rgb(0.8)), 128);
+    ViewScene scene = smoke(0.4, 0);
+    scene.lights = {lamp({0, 0, 0}, 100)};
+    const auto [foreseen, measured] = bothOf(scene);
+    EXPECT_GT(measured, 0.004);
+    EXPECT_GT(foreseen, measured / 2);
+    EXPECT_LT(foreseen, measured * 4);
+    scene.lights.clear();
+    scene.ambient = Rgb(1);
+    const auto [foreseenOfSky, measuredOfSky] = bothOf(scene);
+    EXPECT_LT(measuredOfSky, 0.002);
+    EXPECT_LT(foreseenOfSky, 0.002);
 }
 
 TEST(ScatterChoice, KeepsWhatTheSceneStates) {
