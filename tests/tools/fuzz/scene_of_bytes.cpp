@@ -96,6 +96,9 @@ void addClassified(Lines& out, Choices& c) {
     for (const char* part : {"ambient", "diffuse", "specular"}) out.add(part, c.unit());
     out.add("exponent", c.between(20, 0));
     out.add("two_sided", c.once(2));
+    if (!c.once(5)) return;
+    out.addWord("scattering", "full");
+    out.add("albedo", c.colour());
 }
 
 void addPhase(Lines& out, Choices& c) {
@@ -130,7 +133,9 @@ void addVolume(Lines& out, Choices& c) {
     out.add("albedo", grid ? std::string("{ grid = \"Cd\" }") : c.colour());
     addPhase(out, c);
     if (c.once(4)) out.add("extinction_tint", c.colour());
-    if (c.once(4))
+    if (c.once(5))
+        out.addWord("scattering", "full");
+    else if (c.once(4))
         out.add("octaves", fmt::format("{{ count = {}, extinction = {}, contribution = {}, phase = {} }}",
                                        1 + c.below(4), c.unit(), c.unit(), c.unit()));
     if (c.once(5)) out.add("emission", fmt::format("{{ grid = \"glow\", scale = {} }}", c.logBetween(0.1, 10)));
@@ -181,6 +186,8 @@ void addDials(Lines& out, Choices& c) {
     if (c.once(4)) out.add("opacity_cutoff", c.between(0, 0.5));
     if (c.once(4)) out.add("lod", c.logBetween(0.1, 64));
     if (c.once(6)) out.add("antialias", 1 + c.below(3));
+    if (c.once(3)) out.add("scatter_cell", c.logBetween(0.5, 4));
+    if (c.once(4)) out.add("scatter_directions", 64 << c.below(3));
     out.addWord("kernel", c.word({"linear", "gaussian", "bspline"}));
     out.addWord("splat", c.word({"shared", "shared", "per-view"}));
     out.addWord("shade", c.word({"auto", "texel", "pixel"}));
