@@ -27,7 +27,8 @@ class AndersonMixing {
     };
     std::size_t m_history;
     Product m_product;
-    std::vector<Step> m_steps;  // from each iterate to the next one
+    std::vector<Step> m_steps;                  // from each iterate to the next one
+    std::vector<std::vector<double>> m_matrix;  // products of their residuals
     std::vector<Real> m_next, m_residual;
 };
 

@@ -77,6 +77,8 @@ TransportSolver::TransportSolver(const CellMedia& media, const std::vector<Scatt
     if (!m_isotropic)
         for (std::size_t k = 0; k < m_full; ++k)
             m_matrices.push_back(scatteringMatrix(m_settings.ordinates, classes[k].split.spread()));
+    m_ones.assign(valuesPerRow(), Real(1));
+    m_sphere = m_isotropic ? 1 : 4 * std::numbers::pi;
     m_levels.emplace_back().own = &media;
     while (!media.grid.hasWalls() && m_levels.size() < kMostLevels &&
            m_levels.back().cells().grid.cells() > kFewestCells) {
@@ -187,16 +189,19 @@ void TransportSolver::scatter(Level& level) const {
     });
 }
 
+// The sum over directions of the product of two rows.
+double TransportSolver::dot(const Real* a, const Real* b) const {
+    return double(m_isotropic ? *a * *b : gathered(m_settings.ordinates, a, b, m_settings.simd));
+}
+
 // The inner product of two vectors like x, weighted by what cells and sides scatter.
 double TransportSolver::product(const Level& level, const std::vector<Real>& a, const std::vector<Real>& b) const {
-    const std::size_t values = valuesPerRow();
+    const std::size_t each = valuesPerRow();
     double all = parallelSum(level.rowCount, [&](std::size_t row) {
-        double sum = 0;
-        for (std::size_t i = row * values; i < (row + 1) * values; ++i) sum += double(a[i]) * double(b[i]);
-        return sum * double(level.scattering[row]);
+        return dot(&a[row * each], &b[row * each]) * double(level.scattering[row]);
     });
-    for (std::size_t i = 0, at = level.rowCount * values; i < level.sides.size(); ++i, ++at)
-        all += double(a[at]) * double(b[at]) * double(level.sides[i]);
+    for (std::size_t i = 0, at = level.rowCount * each; i < level.sides.size(); ++i, ++at)
+        all += m_sphere * double(a[at]) * double(b[at]) * double(level.sides[i]);
     return all;
 }
 
@@ -205,15 +210,14 @@ double TransportSolver::product(const Level& level, const std::vector<Real>& a, 
 double TransportSolver::lightOf(const Level& level, const std::vector<Real>& values,
                                 const std::vector<Real>* minus) const {
     const std::size_t each = valuesPerRow();
-    const auto value = [&](std::size_t i) { return double(minus ? values[i] - (*minus)[i] : values[i]); };
     double all = parallelSum(level.rowCount, [&](std::size_t row) {
-        double sum = 0;
-        for (std::size_t m = 0; m < each; ++m)
-            sum += (m_isotropic ? 1 : m_settings.ordinates.weights[m]) * value(row * each + m);
-        return std::abs(sum) * double(level.scattering[row]);
+        const double light = dot(m_ones.data(), &values[row * each]);
+        return std::abs(minus ? light - dot(m_ones.data(), &(*minus)[row * each]) : light) *
+               double(level.scattering[row]);
     });
     for (std::size_t i = 0, at = level.rowCount * each; i < level.sides.size(); ++i, ++at)
-        all += (m_isotropic ? 1 : 4 * std::numbers::pi) * double(level.sides[i]) * std::abs(value(at));
+        all +=
+            m_sphere * double(level.sides[i]) * std::abs(double(values[at]) - double(minus ? (*minus)[at] : Real(0)));
     return all;
 }
 

@@ -87,6 +87,7 @@ class TransportSolver {
     void chooseColour(Level& level, std::size_t colour) const;
     void sweep(Level& level, const Real* inflow, bool last);
     void scatter(Level& level) const;
+    double dot(const Real* a, const Real* b) const;
     double product(const Level& level, const std::vector<Real>& a, const std::vector<Real>& b) const;
     double lightOf(const Level& level, const std::vector<Real>& values, const std::vector<Real>* minus = nullptr) const;
     double residualOf(const Level& level) const;
@@ -103,6 +104,8 @@ class TransportSolver {
     bool m_isotropic;
     std::size_t m_full = 0;                     // classes before those that scatter once
     std::vector<std::vector<Real>> m_matrices;  // for each class, see scatteringMatrix
+    std::vector<Real> m_ones;                   // a row
+    double m_sphere = 1;                        // the sum of a row's weights
     std::vector<Level> m_levels;                // starting with the finest
     std::vector<Real> m_mean, m_scratch;        // memory of sweeps, kept because fresh memory is slow
     std::vector<std::uint8_t> m_border;         // see CellSweep
