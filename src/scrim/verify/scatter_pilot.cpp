@@ -132,7 +132,7 @@ bool isSmall(const ViewScene& scene, double cell) {
 std::vector<CellLight> solved(const ViewScene& with) {
     TransportPlan plan = planTransport(with);
     plan.coarse = true;
-    plan.colours = 1;  // of the brightest, which stands for all
+    plan.brightest = true;
     Solved solved;
     std::size_t bytes = 0;
     return scatteredLight(with, plan, {}, {}, solved, bytes);

@@ -5,6 +5,7 @@
 #include "support/verified.h"
 
 #include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/transport/scattered_light.h>
 #include <scrim/verify/path_tracer.h>
 
 #include <gtest/gtest.h>
@@ -108,7 +109,7 @@ TEST(ScatteringSurfaces, ShowTheIndirectLightOfAMediumThatDoesTheSame) {
     medium.volumes[0].medium.densityScale = 0.3;
     medium.volumes[0].medium.albedo = 0.95 * color;
     medium.volumes[0].medium.scattering = Scattering::full;
-    EXPECT_EQ(planTransport(scene).colours, 3);
+    EXPECT_EQ(solvesOf(scene, planTransport(scene)), 3);
     const Frame a = renderScene(scene), b = renderScene(medium);
     double difference = 0, squares = 0, most = 0;
     for (std::size_t i = 0; i < a.layers[0].data.size(); ++i) {
@@ -124,11 +125,11 @@ TEST(ScatteringSurfaces, ShowTheIndirectLightOfAMediumThatDoesTheSame) {
 
 TEST(ScatteringSurfaces, TakeOneSolveWhereAllIsGrey) {
     ViewScene scene = shaped(likeAMedium(0.3, 0.95), {1, 0, 0});
-    EXPECT_EQ(planTransport(scene).colours, 1);
+    EXPECT_EQ(solvesOf(scene, planTransport(scene)), 1);
     Classified look = *scene.volumes[0].classified;
     look.transfer[1].color = {1, 0.9, 1};
     give(scene.volumes[0], look);
-    EXPECT_EQ(planTransport(scene).colours, 3);
+    EXPECT_EQ(solvesOf(scene, planTransport(scene)), 3);
     look.scatters = false;
     give(scene.volumes[0], look);
     EXPECT_FALSE(planTransport(scene).any());

@@ -328,6 +328,34 @@ TEST(MultipleScattering, LayersAddUpToTheBeauty) {
     EXPECT_LT(apart, 0.005 * most);  // solved one by one each stops at its own scatter_error
 }
 
+// In a grey medium a solve serves all light of one colour, whatever the colour. Red, green and blue light alone have
+// one colour each.
+TEST(MultipleScattering, TakesOneSolveForEachColourOfLight) {
+    ViewScene scene = smoke(0.3, 0.95, 0.3, {1, -1, 0});
+    scene.lights[0].intensity = {3, 2, 1};
+    scene.lights.push_back(lamp({0, 30, 10}, 500));
+    scene.lights.back().intensity = {600, 400, 200};
+    scene.ambient = {0.1, 0.3, 0.5};
+    EXPECT_EQ(solvesOf(scene, planTransport(scene)), 2);
+    const Frame all = renderScene(scene);
+    for (int c = 0; c < 3; ++c) {
+        ViewScene one = scene;
+        Rgb only(0);
+        only[c] = 1;
+        for (Light& light : one.lights) light.intensity *= only;
+        one.ambient *= only;
+        EXPECT_EQ(solvesOf(one, planTransport(one)), 1);
+        const Frame alone = renderScene(one);
+        double most = 0, off = 0;
+        for (std::size_t i = std::size_t(c); i < all.image.rgba.size(); i += 4) {
+            most = std::max(most, double(all.image.rgba[i]));
+            off = std::max(off, std::abs(double(all.image.rgba[i] - alone.image.rgba[i])));
+        }
+        EXPECT_GT(most, 0.1);
+        EXPECT_LT(off, 0.005 * most) << c;  // each solve ends at its own scatter_error
+    }
+}
+
 Frame renderApart(ViewScene scene) {
     scene.layers = {Layer::indirect};
     return renderScene(scene);

@@ -221,7 +221,7 @@ TEST(Walls, SendBackTheirOwnColour) {
     scene.solids = std::make_shared<const Solids>(std::vector<Solid>{
         {"floor", squareMesh({0, -20.2, 0}, {0, 1, 0}, 20), Mat4(1.0), false, true, false, {0.8, 0.4, 0}}});
     const TransportPlan plan = planTransport(scene);
-    EXPECT_EQ(plan.colours, 3);
+    EXPECT_EQ(solvesOf(scene, plan), 3);
     std::size_t bytes = 0;
     Solved solved;
     const auto lights = scatteredLight(

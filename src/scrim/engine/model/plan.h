@@ -112,7 +112,7 @@ struct TransportPlan {
     int ordinates = 64;
     bool isotropic = true;
     bool coarse = false;    ///< cells are larger than requested, to measure the effect
-    int colours = 1;        ///< number of colours, which are solved for one by one
+    bool brightest = false;  ///< only the brightest colour is solved for, and stands for all
     std::size_t bytes = 0;  ///< upper bound, approximately
 
     bool any() const { return !targets.empty(); }

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/transport/scattered_light.h>
 #include <scrim/image/sky_parts.h>
 #include <scrim/scene/layer_names.h>
 
@@ -233,31 +234,30 @@ Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
     for (const ViewVolume& v : scene.volumes)
         if (const char* kind = v.classified ? "classified" : "medium"; scattersFully(v))
             found.add(quoted(v.name), fmt::format("volume.{}.{}.scattering", v.name, kind));
-    Effect effect =
-        found.effect("multiple scattering", "in ", "no volume has scattering = \"full\": light scatters once");
+    Effect out = found.effect("multiple scattering", "in ", "no volume has scattering = \"full\": light scatters once");
     const TransportPlan& t = plan.transport;
-    const int solves = static_cast<int>(t.targets.size()) * t.colours;
-    if (effect.on)
-        effect.reason += fmt::format("; {} solve{} along {} directions, cells of {:.4g} world units, about {}", solves,
-                                     solves == 1 ? "" : "s", t.ordinates, t.edge, bytesText(t.bytes));
-    if (const std::string skies = blurredSkies(scene, t); !skies.empty()) effect.reason += "; " + skies;
-    if (effect.on && solidsBlock(scene))
+    const std::size_t solves = solvesOf(scene, t);
+    if (out.on)
+        out.reason += fmt::format("; {} solve{} along {} directions, cells of {:.4g} world units, about {}", solves,
+                                  solves == 1 ? "" : "s", t.ordinates, t.edge, bytesText(t.bytes));
+    if (const std::string skies = blurredSkies(scene, t); !skies.empty()) out.reason += "; " + skies;
+    if (out.on && solidsBlock(scene))
         for (const Solid& solid : scene.solids->all())
             if (solid.shadows)
-                effect.reason += fmt::format("; mesh {} stops this light{}", quoted(solid.name),
-                                             solid.sendsBack() ? " and sends part of it back" : "");
-    return effect;
+                out.reason += fmt::format("; mesh {} stops this light{}", quoted(solid.name),
+                                          solid.sendsBack() ? " and sends part of it back" : "");
+    return out;
 }
 
 void addMediumEffects(const ViewScene& scene, const Plan& plan, std::vector<Effect>& effects) {
-    Effect coloured = ofMedia(
+    Effect tints = ofMedia(
         scene, ".medium.extinction_tint",
         [](const ViewVolume& v) { return nameIf(v.medium.relativeTint() != Rgb(1), v.name); }, "coloured extinction",
         "of ", "every extinction_tint is grey: one optical depth for all channels");
-    if (coloured.on)
-        coloured.reason +=
+    if (tints.on)
+        tints.reason +=
             fmt::format("; {} extinction channel{}", plan.extinction.count(), plan.extinction.count() > 1 ? "s" : "");
-    effects.push_back(coloured);
+    effects.push_back(tints);
     effects.push_back(ofMedia(
         scene, ".medium.albedo.grid",
         [](const ViewVolume& v) { return v.scatter.empty() ? "" : quoted(v.name) + ": three more fields"; },

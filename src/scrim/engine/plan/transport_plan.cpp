@@ -305,7 +305,6 @@ TransportPlan planTransport(const ViewScene& scene, bool flux) {
     plan.isotropic = !flux && std::ranges::all_of(scene.volumes, [](const ViewVolume& v) {
         return v.classified || v.medium.phase.isotropic();
     });
-    plan.colours = oneColour(scene) ? 1 : 3;
     // Blocks of cells at the border are only partly covered by voxels' blocks, which about doubles their number.
     plan.cells = 2 * occupied(scene, 0.5 * plan.edge) / (plan.edge * plan.edge * plan.edge);
     // See TransportSolver and sweepIsotropic. Where walls stand, iterates are kept.
@@ -313,7 +312,7 @@ TransportPlan planTransport(const ViewScene& scene, bool flux) {
     const double values = plan.isotropic ? 3 + 8 + (walls ? 14 : 0) : (3 + (walls ? 8 : 0)) * plan.ordinates * 0.6;
     const double fields = double(plan.targets.size() + (flux ? 3 : 0)) * 4 * 2;
     // The factor accounts for coarser levels, and for cells twice as large for extrapolation.
-    const double bytes = 1.3 * plan.cells * sizeof(Real) * (values + fields + 6 + 3 * (plan.colours - 1));
+    const double bytes = 1.3 * plan.cells * sizeof(Real) * (values + fields + (greyScattering(scene) ? 6 : 12));
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
     if (scene.memoryLimit > 0 && plan.bytes > scene.memoryLimit)
         throw Error(ErrorKind::memory,

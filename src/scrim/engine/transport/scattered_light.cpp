@@ -2,6 +2,7 @@
 #include <scrim/engine/transport/scattered_light.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/transport/light_sources.h>
 
 #include <algorithm>
@@ -15,14 +16,9 @@
 namespace scrim {
 namespace {
 
-// The colour of the target's light, if all of it has the same colour.
-Rgb colourOf(const ViewScene& scene, const ScatterTarget& target) {
-    for (const int light : target.lights) return scene.lights[std::size_t(light)].intensity;
-    if (target.ambient) return scene.ambient;
-    for (const ViewVolume& volume : scene.volumes)
-        for (const ViewEmission& emission : volume.emission)
-            if (emission.color != Rgb(0)) return emission.color;
-    return Rgb(1);
+// True if a solid sends one colour back more than another.
+bool sendColour(const std::vector<Solid>& solids) {
+    return std::any_of(solids.begin(), solids.end(), [](const Solid& s) { return s.shadows && !isGrey(s.albedo); });
 }
 
 // True if light of the target comes in from outside of the cells.
@@ -114,17 +110,12 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
     m_bytes += solver.bytes();
     const bool eye = m_kept == Kept::towardsEye;
     for (std::size_t t = 0; t < m_targets.size(); ++t) {
-        const Rgb shared = colourOf(scene, m_targets[t]);
-        const int brightest = axisOfLargest(shared);
-        for (int c = 0; c < plan.colours; ++c) {
-            const int colour = plan.colours == 1 ? brightest : c;
+        for (const auto& [target, colours] : partsOf(scene, plan, m_targets[t])) {
+            const int colour = axisOfLargest(colours);
             const std::vector<std::vector<Real>> straight =
-                fillSource(scene, media, classes, m_targets[t], colour, directions, simd, false, !eye, solver);
-            const std::vector<Real> inflow = inflowOf(scene, m_targets[t], directions, colour);
+                fillSource(scene, media, classes, target, colour, directions, simd, false, !eye, solver);
+            const std::vector<Real> inflow = inflowOf(scene, target, directions, colour);
             m_solved += solver.solve(std::size_t(colour), inflow);
-            Rgb colours(0);
-            colours[colour] = 1;
-            if (plan.colours == 1) colours = shared / shared[brightest];
             enum { full = 1, once = 2 };
             const auto keepIn = [&](const std::vector<std::shared_ptr<CellField>>& fields, int which, bool beams,
                                     double factor) {
@@ -145,7 +136,7 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
                 keepIn(m_fields, once, false, -1);  // they see it as a medium that scatters once does
             }
             if (again.empty()) continue;
-            fillSource(scene, media, classes, m_targets[t], colour, directions, simd, true, false, solver);
+            fillSource(scene, media, classes, target, colour, directions, simd, true, false, solver);
             std::vector<Real>& source = solver.source();
             for (std::size_t i = 0; i < again.size(); ++i) source[i] += again[i];
             m_solved += solver.solve(std::size_t(colour), {});
@@ -357,6 +348,38 @@ void ScatteredLight::separate() {
 }
 
 }  // namespace
+
+std::vector<std::pair<ScatterTarget, Rgb>> partsOf(const ViewScene& scene, const TransportPlan& plan,
+                                                   const ScatterTarget& target) {
+    std::vector<std::pair<ScatterTarget, Rgb>> parts;
+    const auto ofColour = [&](const Rgb& colour) -> ScatterTarget& {
+        for (auto& [part, own] : parts)
+            if (plan.brightest || sameColour(own, colour)) return part;
+        return parts.emplace_back(ScatterTarget{target.output, {}}, colour / largest(colour)).first;
+    };
+    bool separable = greyScattering(scene) && !(solidsBlock(scene) && sendColour(scene.solids->all()));
+    for (const int light : target.lights) {
+        ofColour(scene.lights[std::size_t(light)].intensity).lights.push_back(light);
+        separable = separable && !scene.lights[std::size_t(light)].slide;
+    }
+    if (target.ambient) ofColour(scene.ambient).ambient = true;
+    Rgb glow(0);
+    for (const ViewVolume& volume : scene.volumes)
+        for (const ViewEmission& emission : volume.emission) {
+            if (!target.emission || emission.color == Rgb(0)) continue;
+            separable = separable && (glow == Rgb(0) || sameColour(glow, emission.color));
+            glow = emission.color;
+            ofColour(glow).emission = true;
+        }
+    if (plan.brightest || (separable && parts.size() <= 3)) return parts;
+    parts.clear();
+    for (int c = 0; c < 3; ++c) {
+        Rgb colour(0);
+        colour[c] = 1;
+        parts.emplace_back(target, colour);
+    }
+    return parts;
+}
 
 std::vector<CellLight> scatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
                                       const std::function<void()>& checkpoint, Solved& solved, std::size_t& bytes) {

@@ -205,8 +205,7 @@ double TransportSolver::product(const Level& level, const std::vector<Real>& a, 
     return all;
 }
 
-// The light that `values` of a level are, or their difference to `minus`: a sum over cells, each of which counts
-// without its sign.
+// The light that `values` are, or their difference to `minus`: a sum over cells, each of which has no sign.
 double TransportSolver::lightOf(const Level& level, const std::vector<Real>& values,
                                 const std::vector<Real>* minus) const {
     const std::size_t each = valuesPerRow();
@@ -312,8 +311,8 @@ AndersonMixing TransportSolver::mixing(std::size_t level) const {
     return {history, [this, &here](const auto& a, const auto& b) { return product(here, a, b); }};
 }
 
-// Reduces the residual of coarser cells to kCoarseTolerance of what it is at first. (Its ratio to x says little: where
-// light scatters a hundred times, x grows for as long.)
+// Reduces the residual of coarser cells to a part of what it is at first. (Its ratio to x says little: x may grow
+// long.)
 void TransportSolver::reduce(std::size_t level, const Real* inflow, int mostSweeps) {
     Level& here = m_levels[level];
     AndersonMixing anderson = mixing(level);
@@ -323,10 +322,7 @@ void TransportSolver::reduce(std::size_t level, const Real* inflow, int mostSwee
         sweep(here, inflow, false);
         const double residual = lightOf(here, here.next, &here.x);
         if (i == 0) first = residual;
-        if (residual <= kCoarseTolerance * first) {
-            here.x = here.next;
-            return;
-        }
+        if (residual <= kCoarseTolerance * first) return here.x.swap(here.next);
         idle = residual < kIdle * least ? 0 : idle + 1;
         least = std::min(least, residual);
         improve(level, anderson);
