@@ -77,8 +77,7 @@ void requireAccuracy(const ShotFrame& frame) {
     if (r.scattering && !r.scattering->converged)
         throw Error(ErrorKind::accuracy,
                     which + "further sweeps would have changed the light that scatters more than once by about " +
-                        text(r.scattering->error) +
-                        ", more than render.scatter_error = " + text(r.scattering->wanted));
+                        text(r.scattering->error) + ", more than render.scatter_error = " + text(r.scattering->wanted));
     if (r.tolerance && !r.tolerance->met)
         throw Error(ErrorKind::accuracy, which + "its error may be " + text(r.tolerance->bound) +
                                              ", more than the tolerance of " + text(r.tolerance->wanted));

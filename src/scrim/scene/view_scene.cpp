@@ -14,6 +14,11 @@ bool solidsBlock(const ViewScene& scene) {
     return scene.solids && scene.solids->any(SolidRole::shadow);
 }
 
+bool greySolids(const ViewScene& scene) {
+    return !solidsBlock(scene) ||
+           std::ranges::none_of(scene.solids->all(), [](const Solid& s) { return s.shadows && !isGrey(s.albedo); });
+}
+
 bool anyClassified(const ViewScene& scene) {
     return std::ranges::any_of(scene.volumes, [](const ViewVolume& v) { return v.classified != nullptr; });
 }

@@ -148,6 +148,8 @@ bool greyScattering(const ViewScene& scene);
 
 /// True if solids stop light.
 bool solidsBlock(const ViewScene& scene);
+/// True if those that do send all colours back alike.
+bool greySolids(const ViewScene& scene);
 
 /// The light whose layer shows `light`: the first one of its group, or itself. Both are indices into
 /// ViewScene::lights.

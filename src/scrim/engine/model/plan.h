@@ -111,9 +111,9 @@ struct TransportPlan {
     double cells = 0;                    ///< approximate number of them
     int ordinates = 64;
     bool isotropic = true;
-    bool coarse = false;    ///< cells are larger than requested, to measure the effect
+    bool coarse = false;     ///< cells are larger than requested, to measure the effect
     bool brightest = false;  ///< only the brightest colour is solved for, and stands for all
-    std::size_t bytes = 0;  ///< upper bound, approximately
+    std::size_t bytes = 0;   ///< upper bound, approximately
 
     bool any() const { return !targets.empty(); }
     /// The lights of all targets, as indices into ViewScene::lights.

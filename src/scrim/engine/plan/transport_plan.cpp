@@ -70,10 +70,12 @@ bool oneColour(const ViewScene& scene) {
     for (const ViewVolume& v : scene.volumes)
         for (const ViewEmission& e : v.emission)
             if (!same(e.color)) return false;
-    if (solidsBlock(scene))
-        for (const Solid& solid : scene.solids->all())
-            if (solid.shadows && !isGrey(solid.albedo)) return false;
-    return same(scene.ambient);
+    return greySolids(scene) && same(scene.ambient);
+}
+
+// True if solids send scattered light back into the volumes.
+bool wallsSendBack(const ViewScene& scene) {
+    return scene.solids && scene.solids->anySendsBack();
 }
 
 // The number of ordinates, by the narrowest phase function. The largest differences to 1,024 ordinates, of a cloud lit
@@ -320,10 +322,6 @@ TransportPlan planTransport(const ViewScene& scene, bool flux) {
                                 "limit of {}; raise scatter_cell",
                                 bytesText(plan.bytes), cell, bytesText(scene.memoryLimit)));
     return plan;
-}
-
-bool wallsSendBack(const ViewScene& scene) {
-    return scene.solids && scene.solids->anySendsBack();
 }
 
 }  // namespace scrim

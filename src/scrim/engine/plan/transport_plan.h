@@ -28,9 +28,6 @@ std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan);
 /// scatteredMoments with flux, for which cells keep all directions, whatever the phase functions.
 TransportPlan planTransport(const ViewScene& scene, bool flux = false);
 
-/// True if solids send scattered light back into the volumes.
-bool wallsSendBack(const ViewScene& scene);
-
 /// The largest optical depth of a voxel, above 0.
 double depthOfVoxel(const ViewScene& scene);
 

@@ -16,9 +16,34 @@
 namespace scrim {
 namespace {
 
-// True if a solid sends one colour back more than another.
-bool sendColour(const std::vector<Solid>& solids) {
-    return std::any_of(solids.begin(), solids.end(), [](const Solid& s) { return s.shadows && !isGrey(s.albedo); });
+// The parts of a target that are solved for one by one, and the colour of each solve's light, relative to its largest
+// component. Where all media are grey, a part is all light of one colour; else it is red, green or blue.
+std::vector<std::pair<ScatterTarget, Rgb>> partsOf(const ViewScene& scene, const TransportPlan& plan,
+                                                   const ScatterTarget& target) {
+    std::vector<std::pair<ScatterTarget, Rgb>> parts;
+    const auto ofColour = [&](const Rgb& colour) -> ScatterTarget& {
+        for (auto& [part, own] : parts)
+            if (plan.brightest || sameColour(own, colour)) return part;
+        return parts.emplace_back(ScatterTarget{target.output, {}}, colour / largest(colour)).first;
+    };
+    bool separable = greyScattering(scene) && greySolids(scene);
+    for (const int light : target.lights) {
+        ofColour(scene.lights[std::size_t(light)].intensity).lights.push_back(light);
+        separable = separable && !scene.lights[std::size_t(light)].slide;
+    }
+    if (target.ambient) ofColour(scene.ambient).ambient = true;
+    Rgb glow(0);
+    for (const ViewVolume& volume : scene.volumes)
+        for (const ViewEmission& emission : volume.emission) {
+            if (!target.emission || emission.color == Rgb(0)) continue;
+            separable = separable && (glow == Rgb(0) || sameColour(glow, emission.color));
+            glow = emission.color;
+            ofColour(glow).emission = true;
+        }
+    if (plan.brightest || (separable && parts.size() <= 3)) return parts;
+    parts.clear();
+    for (const Rgb& colour : {Rgb(1, 0, 0), Rgb(0, 1, 0), Rgb(0, 0, 1)}) parts.emplace_back(target, colour);
+    return parts;
 }
 
 // True if light of the target comes in from outside of the cells.
@@ -349,36 +374,10 @@ void ScatteredLight::separate() {
 
 }  // namespace
 
-std::vector<std::pair<ScatterTarget, Rgb>> partsOf(const ViewScene& scene, const TransportPlan& plan,
-                                                   const ScatterTarget& target) {
-    std::vector<std::pair<ScatterTarget, Rgb>> parts;
-    const auto ofColour = [&](const Rgb& colour) -> ScatterTarget& {
-        for (auto& [part, own] : parts)
-            if (plan.brightest || sameColour(own, colour)) return part;
-        return parts.emplace_back(ScatterTarget{target.output, {}}, colour / largest(colour)).first;
-    };
-    bool separable = greyScattering(scene) && !(solidsBlock(scene) && sendColour(scene.solids->all()));
-    for (const int light : target.lights) {
-        ofColour(scene.lights[std::size_t(light)].intensity).lights.push_back(light);
-        separable = separable && !scene.lights[std::size_t(light)].slide;
-    }
-    if (target.ambient) ofColour(scene.ambient).ambient = true;
-    Rgb glow(0);
-    for (const ViewVolume& volume : scene.volumes)
-        for (const ViewEmission& emission : volume.emission) {
-            if (!target.emission || emission.color == Rgb(0)) continue;
-            separable = separable && (glow == Rgb(0) || sameColour(glow, emission.color));
-            glow = emission.color;
-            ofColour(glow).emission = true;
-        }
-    if (plan.brightest || (separable && parts.size() <= 3)) return parts;
-    parts.clear();
-    for (int c = 0; c < 3; ++c) {
-        Rgb colour(0);
-        colour[c] = 1;
-        parts.emplace_back(target, colour);
-    }
-    return parts;
+std::size_t solvesOf(const ViewScene& scene, const TransportPlan& plan) {
+    std::size_t solves = 0;
+    for (const ScatterTarget& target : plan.targets) solves += partsOf(scene, plan, target).size();
+    return solves;
 }
 
 std::vector<CellLight> scatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,

@@ -19,16 +19,8 @@
 
 namespace scrim {
 
-/// The parts of a target that are solved for one by one, and the colour of each solve's light, relative to its largest
-/// component. Where all media are grey, a part is all light of one colour; else it is red, green or blue.
-std::vector<std::pair<ScatterTarget, Rgb>> partsOf(const ViewScene& scene, const TransportPlan& plan,
-                                                   const ScatterTarget& target);
-
-inline std::size_t solvesOf(const ViewScene& scene, const TransportPlan& plan) {
-    std::size_t solves = 0;
-    for (const ScatterTarget& target : plan.targets) solves += partsOf(scene, plan, target).size();
-    return solves;
-}
+/// The number of solves for all of the plan's targets.
+std::size_t solvesOf(const ViewScene& scene, const TransportPlan& plan);
 
 /// Solves for all of the plan's targets; returns one light for each, and volumes that scatter light only once have none
 /// of it. Slides must be loaded. Adds the solves to `solved`, and the peak of the memory, in bytes, to `bytes`.

@@ -20,7 +20,8 @@ constexpr double kCoarseTolerance = 0.2;
 // Sweeps of coarser cells for each sweep of finer ones (few, since every level calls the next), and of the coarsest.
 constexpr int kCoarseSweeps = 3, kCoarsestSweeps = 40;
 // Consecutive sweeps that reduce the residual to no less than kIdle of what it was; then further ones are useless.
-constexpr double kIdle = 0.95, kIdleSweeps = 6;
+constexpr int kIdleSweeps = 6;
+constexpr double kIdle = 0.95;
 constexpr double kFall = 0.3;  // initial estimate of the residual's ratio from sweep to sweep of the finest cells
 // Steps that Anderson's acceleration mixes: few for cells that have a value for each ordinate.
 constexpr std::size_t kHistory = 6, kShortHistory = 3;
@@ -220,10 +221,10 @@ double TransportSolver::lightOf(const Level& level, const std::vector<Real>& val
     return all;
 }
 
-// The residual of the last sweep, relative to the scattered light.
-double TransportSolver::residualOf(const Level& level) const {
+// Light relative to what the last sweep scattered.
+double TransportSolver::relative(const Level& level, double light) const {
     const double all = lightOf(level, level.next);
-    return all > 0 ? lightOf(level, level.next, &level.x) / all : 0;
+    return all > 0 ? light / all : 0;
 }
 
 // Sets the source of the coarser cells: that of the finer ones, or the residual of a sweep of these.
@@ -267,10 +268,7 @@ void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const 
 // Finds an initial x with the coarser cells.
 void TransportSolver::start(std::size_t level, const Real* inflow) {
     Level& here = m_levels[level];
-    if (level + 1 == m_levels.size()) {
-        std::fill(here.x.begin(), here.x.end(), Real(0));
-        return;
-    }
+    if (level + 1 == m_levels.size()) return std::fill(here.x.begin(), here.x.end(), Real(0));
     Level& coarse = m_levels[level + 1];
     restrict(here, coarse, false);
     start(level + 1, inflow);
@@ -278,8 +276,8 @@ void TransportSolver::start(std::size_t level, const Real* inflow) {
     prolong(coarse, here, false);
 }
 
-// Improves x after a sweep with residual r = G(x) - x; returns by how much light, relative to that of r.
-double TransportSolver::improve(std::size_t level, AndersonMixing& anderson) {
+// Improves x after a sweep whose r = G(x) - x is `residual` of light; returns by how much light, relative to that.
+double TransportSolver::improve(std::size_t level, double residual, AndersonMixing& anderson) {
     Level& here = m_levels[level];
     if (level + 1 == m_levels.size()) return anderson.step(here.x, here.next);
     // The error of x is r + K r + ..., K being a sweep without sources: r itself, and its scattering, which coarser
@@ -289,8 +287,7 @@ double TransportSolver::improve(std::size_t level, AndersonMixing& anderson) {
     std::fill(coarse.x.begin(), coarse.x.end(), Real(0));
     reduce(level + 1, nullptr, kCoarseSweeps);
     constexpr double kVolume = 8;  // of a coarser cell
-    const double residual = level == 0 ? lightOf(here, here.next, &here.x) : 0;
-    const double gain = residual > 0 ? 1 + kVolume * lightOf(coarse, coarse.x) / residual : 1;
+    const double gain = level == 0 ? 1 + kVolume * lightOf(coarse, coarse.x) / residual : 1;
     // In cells in which light scatters many times, sweeps smooth little, and corrections are too small or too large.
     // Mixing them takes half the sweeps; with a value for each ordinate it would double the memory.
     if (level > 0 || !m_isotropic) {
@@ -325,7 +322,7 @@ void TransportSolver::reduce(std::size_t level, const Real* inflow, int mostSwee
         if (residual <= kCoarseTolerance * first) return here.x.swap(here.next);
         idle = residual < kIdle * least ? 0 : idle + 1;
         least = std::min(least, residual);
-        improve(level, anderson);
+        improve(level, residual, anderson);
     }
 }
 
@@ -338,7 +335,8 @@ double TransportSolver::iterate(const Real* inflow, bool* ahead) {
     double error = 0, before = 0, least = HUGE_VAL;
     for (int i = 0, idle = 0; i < m_settings.mostSweeps && idle < kIdleSweeps; ++i) {
         sweep(here, inflow, false);
-        const double residual = residualOf(here), fall = i > 0 ? residual / before : kFall;
+        const double changed = lightOf(here, here.next, &here.x), residual = relative(here, changed);
+        const double fall = i > 0 ? residual / before : kFall;
         // Steps without coarser cells are small if the residual falls slowly.
         if (m_levels.size() == 1 && i > 0 && fall < 1) m_gain = std::max(m_gain, 1 / (1 - fall));
         error = m_gain * residual;
@@ -348,7 +346,7 @@ double TransportSolver::iterate(const Real* inflow, bool* ahead) {
         }
         idle = residual < kIdle * least ? 0 : idle + 1;
         least = std::min(least, before = residual);
-        m_gain = std::max(m_gain, improve(0, anderson));
+        m_gain = std::max(m_gain, improve(0, changed, anderson));
         // The residual's ratio from one sweep to the next is about constant.
         if (ahead && (i > 0 || m_levels.size() > 1) && 2 * m_gain * residual * fall <= m_settings.tolerance)
             return error;
@@ -370,7 +368,7 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     bool ahead = true;
     m_solved.error = iterate(from, &ahead);
     sweep(finest, from, true);
-    if (ahead) m_solved.error = m_gain * residualOf(finest);
+    if (ahead) m_solved.error = m_gain * relative(finest, lightOf(finest, finest.next, &finest.x));
     if (ahead && m_solved.error > m_settings.tolerance) {
         m_solved.error = iterate(from, nullptr);
         sweep(finest, from, true);

@@ -90,10 +90,10 @@ class TransportSolver {
     double dot(const Real* a, const Real* b) const;
     double product(const Level& level, const std::vector<Real>& a, const std::vector<Real>& b) const;
     double lightOf(const Level& level, const std::vector<Real>& values, const std::vector<Real>* minus = nullptr) const;
-    double residualOf(const Level& level) const;
+    double relative(const Level& level, double light) const;
     void start(std::size_t level, const Real* inflow);
     AndersonMixing mixing(std::size_t level) const;
-    double improve(std::size_t level, AndersonMixing& anderson);
+    double improve(std::size_t level, double residual, AndersonMixing& anderson);
     void reduce(std::size_t level, const Real* inflow, int mostSweeps);
     double iterate(const Real* inflow, bool* ahead);
     void restrict(const Level& fine, Level& coarse, bool residual) const;
