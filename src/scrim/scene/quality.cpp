@@ -131,8 +131,8 @@ Dial scatterDirections() {
     Dial d;
     d.words = {"auto"};
     d.info = {"scatter_directions", "directions", "", "'auto', 64, 128 or 256",
-              "discrete directions of multiple scattering; auto: chosen by the phase functions, for the error that the "
-              "preset promises"};
+              "discrete directions of multiple scattering, of the last sweep: the others have half of them, but at "
+              "least 64; auto: chosen for the error that the preset promises"};
     d.allows = [](double v) { return v == 64 || v == 128 || v == 256; };
     d.setNumber = [](Dials& dials, double v) { dials.scatterDirections = static_cast<int>(v); };
     d.setWord = [](Dials& dials, std::size_t) { dials.scatterDirections.reset(); };

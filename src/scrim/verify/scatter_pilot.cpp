@@ -182,9 +182,9 @@ double ScatterPilot::ofDirections(std::size_t i) const {
     // ball 29 mean free paths thick of g = 0.9, 256 ones left about 0.12.
     constexpr double kPerStraight[] = {0.2, 0.2, 0.12};
     // Ray effects: bright spots send light along ordinates, and none between them. Cells as large as the pilot's blur
-    // them: beside 256 ordinates, 20 scenes by lot had 0.2 to 2.3 of this with 64 (half of them at most 1.6), and 0.1
-    // to 1.3 with 128 (0.55).
-    constexpr double kPerRayEffect[] = {1.7, 0.7, 0.35};
+    // them: beside 1,024 ordinates, 24 scenes by lot had 0.2 to 3.1 of this with 64 (half of them at most 1.6), 0.2 to
+    // 1.8 with 128 (0.7), and 0.1 to 1.3 with 256 (0.3).
+    constexpr double kPerRayEffect[] = {2.2, 1.0, 0.45};
     return std::max(kPerStraight[i] * straight[i] * share, kPerRayEffect[i] * rayEffects);
 }
 
@@ -195,8 +195,8 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
     for (const ViewVolume& volume : given.volumes) {
         if (!scattersFully(volume)) continue;
         for (std::size_t i = 0; i < pilot.straight.size(); ++i)
-            pilot.straight[i] =
-                std::max(pilot.straight[i], SplitPhase(volume.medium.phase, kOrdinateCounts[i]).straight());
+            pilot.straight[i] = std::max(
+                pilot.straight[i], SplitPhase(volume.medium.phase, resolvedMoments(kOrdinateCounts[i])).straight());
     }
     ViewScene scene = withFewSubLights(given, kLights);
     scene.layers.clear();
@@ -228,6 +228,8 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
 ScatterChoice chooseScattering(const ScatterPilot& pilot, const Dials& dials, double error) {
     // Where directions alone leave more than is promised, cells that are much finer would cost time for nothing.
     constexpr double kBeside = 0.75, kLeast = 0.5, kMostOfDirections = 0.866;
+    // Time relative to 64 ordinates: more of them are in the last sweep only, or half of them are.
+    constexpr double kCost[] = {1, 1.6, 2.2};
     const auto cellBeside = [&](double ofDirections) {
         const double left = std::max({std::sqrt(std::max(error * error - ofDirections * ofDirections, 0.0)),
                                       kLeast * error, kBeside * ofDirections});
@@ -236,9 +238,7 @@ ScatterChoice chooseScattering(const ScatterPilot& pilot, const Dials& dials, do
         cell = std::floor(100 * std::min({cell, kCoarsest, 2 * pilot.edge})) / 100;
         return dials.scatterCell.value_or(std::max(cell, kFinestScatterCell));
     };
-    const auto costOf = [&](std::size_t i) {
-        return kOrdinateCounts[i] / std::pow(cellBeside(pilot.ofDirections(i)), 3);
-    };
+    const auto costOf = [&](std::size_t i) { return kCost[i] / std::pow(cellBeside(pilot.ofDirections(i)), 3); };
     std::optional<std::size_t> chosen;
     for (std::size_t i = 0; i < std::size(kOrdinateCounts); ++i) {
         if (dials.scatterDirections && *dials.scatterDirections != kOrdinateCounts[i]) continue;

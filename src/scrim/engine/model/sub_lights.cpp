@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/model/sub_lights.h>
 
-#include <scrim/engine/model/picture_cells.h>
+#include <scrim/scene/picture_cells.h>
 #include <scrim/solid/mesh_parts.h>
 #include <scrim/geometry/bounds.h>
 #include <scrim/scene/light_at.h>

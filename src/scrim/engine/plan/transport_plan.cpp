@@ -2,11 +2,12 @@
 #include <scrim/engine/plan/transport_plan.h>
 
 #include <scrim/base/error.h>
-#include <scrim/engine/model/picture_cells.h>
+#include <scrim/scene/picture_cells.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/transport/cell_field.h>
 #include <scrim/engine/transport/cell_media.h>
+#include <scrim/engine/transport/last_sweep.h>
 
 #include <algorithm>
 #include <cmath>
@@ -309,9 +310,11 @@ TransportPlan planTransport(const ViewScene& scene, bool flux) {
     });
     // Blocks of cells at the border are only partly covered by voxels' blocks, which about doubles their number.
     plan.cells = 2 * occupied(scene, 0.5 * plan.edge) / (plan.edge * plan.edge * plan.edge);
-    // See TransportSolver and sweepIsotropic. Where walls stand, iterates are kept.
+    // See TransportSolver, sweepIsotropic and FirstLight. Where walls stand, iterates are kept.
     const bool walls = solidsBlock(scene);
-    const double values = plan.isotropic ? 3 + 8 + (walls ? 14 : 0) : (3 + (walls ? 8 : 0)) * plan.ordinates * 0.6;
+    const double lights = double(plan.lights().size()), ordinates = solvedOrdinates(plan.ordinates);
+    const double values =
+        lights + (plan.isotropic ? 3 + 8 + (walls ? 14 : 0) : (3 + (walls ? 8 : 0)) * ordinates * 0.6);
     const double fields = double(plan.targets.size() + (flux ? 3 : 0)) * 4 * 2;
     // The factor accounts for coarser levels, and for cells twice as large for extrapolation.
     const double bytes = 1.3 * plan.cells * sizeof(Real) * (values + fields + (greyScattering(scene) ? 6 : 12));

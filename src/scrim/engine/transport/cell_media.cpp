@@ -177,7 +177,8 @@ void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<std::vect
     }
 }
 
-// Subtracts the light that scatters straight on from extinction and scattering.
+}  // namespace
+
 void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes) {
     if (std::all_of(classes.begin(), classes.end(), [](const ScatterClass& c) { return c.straight() == 0; })) return;
     for (std::size_t c = 0; c < std::max(media.extinction.size(), media.scattering.front().size()); ++c) {
@@ -196,8 +197,6 @@ void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes) {
         for (std::vector<Real>& row : media.scattering[k])
             for (Real& value : row) value *= static_cast<Real>(1 - classes[k].straight());
 }
-
-}  // namespace
 
 std::vector<std::vector<int>> alikeVolumes(const ViewScene& scene,
                                            const std::function<bool(const ViewVolume&)>& wanted) {
@@ -220,7 +219,7 @@ std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates) 
         for (std::vector<int>& volumes : alikeVolumes(scene, wanted)) {
             const ViewVolume& first = scene.volumes[std::size_t(volumes.front())];
             const Phase& phase = first.medium.phase;
-            classes.push_back({phase, once, {phase, ordinates}, first.lights, std::move(volumes)});
+            classes.push_back({phase, once, {phase, resolvedMoments(ordinates)}, first.lights, std::move(volumes)});
         }
     };
     add(false, scattersFully);

@@ -100,6 +100,9 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
                     const Vec3& wsCorner = Vec3(0), double margin = 0, bool walls = false,
                     const std::vector<bool>& dense = {});
 
+/// Subtracts the light that scatters straight on from extinction and scattering, by how `classes` split it.
+void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes);
+
 /// The media in cells twice as large: means over 2^3 cells each.
 CellMedia coarser(const CellMedia& fine);
 

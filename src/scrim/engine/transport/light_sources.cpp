@@ -2,7 +2,7 @@
 #include <scrim/engine/transport/light_sources.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/model/picture_cells.h>
+#include <scrim/scene/picture_cells.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/scene/light_at.h>
 
@@ -81,14 +81,16 @@ Depths opticalDepths(const CellMedia& media, const Vec3& ws, const Vec3& directi
 
 // The light of a light that arrives in a cell; light that scattered straight on is part of the irradiance.
 struct ArrivingInCell : Arriving {
-    Rgb straightDepth{0};  //< optical depth of scattering straight on, up to this cell
+    // As the last sweep splits phase functions: the irradiance, and the optical depth of scattering straight on.
+    Rgb last{0}, straightDepth{0};
 };
 
 // Rays to one light that is not extended, through extinction that is constant in each cell.
 class FirstCollisions {
   public:
-    // `media`, `light` and the scene's solids must outlive this object. A light's slide must be loaded.
-    FirstCollisions(const ViewScene& scene, const CellMedia& media, const Light& light);
+    // `media`, those of the solve, `last`, those of its last sweep, `light` and the scene's solids must outlive this
+    // object. A light's slide must be loaded.
+    FirstCollisions(const ViewScene& scene, const CellMedia& media, const CellMedia& last, const Light& light);
 
     // The light in cell `cell`: the mean along the ray through its centre.
     ArrivingInCell at(std::size_t cell) const;
@@ -100,15 +102,20 @@ class FirstCollisions {
     void findShadows();
 
     const ViewScene& m_scene;
-    const CellMedia& m_media;
+    const CellMedia &m_media, &m_last;
     const Light& m_light;
     LightAt m_unattenuated;
     std::vector<Real> m_lit;  // the part of each cell that is not in a solid's shadow; empty: no solid casts one
 };
 
 // The distance to the light is at least the mean distance of a cell's points from its centre.
-FirstCollisions::FirstCollisions(const ViewScene& scene, const CellMedia& media, const Light& light)
-    : m_scene(scene), m_media(media), m_light(light), m_unattenuated(light, kNearest * media.grid.edge()) {
+FirstCollisions::FirstCollisions(const ViewScene& scene, const CellMedia& media, const CellMedia& last,
+                                 const Light& light)
+    : m_scene(scene),
+      m_media(media),
+      m_last(last),
+      m_light(light),
+      m_unattenuated(light, kNearest * media.grid.edge()) {
     if (light.shadows && media.grid.hasWalls()) findShadows();
 }
 
@@ -157,15 +164,22 @@ ArrivingInCell FirstCollisions::at(std::size_t cell) const {
     const Vec3 ws = m_media.grid.wsCenter(cell);
     ArrivingInCell out{m_unattenuated.at(ws)};
     if (!m_lit.empty()) out.irradiance *= double(m_lit[cell]);
+    out.last = out.irradiance;
     if (out.irradiance == Rgb(0) || !m_light.shadows) return out;
     const Vec3 toLight = -out.travel;
-    const Depths depths = opticalDepths(m_media, ws, toLight, out.distance);
     // The mean chord of a cube along a direction is its volume divided by its projected area.
     const double chord = m_media.grid.edge() / (std::abs(toLight.x) + std::abs(toLight.y) + std::abs(toLight.z));
-    for (int c = 0; c < 3; ++c)
-        out.irradiance[c] *=
-            std::exp(-depths.tau[c]) * meanOverCell(chord * m_media.extinctionOf(std::size_t(c))[cell]);
-    out.straightDepth = depths.straight;
+    const auto attenuate = [&](const CellMedia& media, Rgb& irradiance) {
+        const Depths depths = opticalDepths(media, ws, toLight, out.distance);
+        for (int c = 0; c < 3; ++c)
+            irradiance[c] *= std::exp(-depths.tau[c]) * meanOverCell(chord * media.extinctionOf(std::size_t(c))[cell]);
+        return depths.straight;
+    };
+    out.straightDepth = attenuate(m_last, out.last);
+    if (&m_last == &m_media)
+        out.irradiance = out.last;
+    else
+        attenuate(m_media, out.irradiance);
     return out;
 }
 
@@ -225,91 +239,6 @@ std::vector<Light> pointsOf(const ViewScene& scene, const Light& light) {
     return subLights(alone).lights;
 }
 
-struct Collisions {
-    const ViewScene& scene;
-    const CellMedia& media;
-    const std::vector<ScatterClass>& classes;
-    std::size_t owner;  // index of the light in the scene
-    int colour;
-    const Ordinates& ordinates;
-    Simd simd;
-    bool once;  // the light of classes that scatter once, else that of the others
-    bool moments;
-
-    // Adds the light to the source of all classes that it lights, per unit of irradiance: one number, or one for each
-    // ordinate.
-    void addTo(const TransportSolver& solver, const Light& light, std::vector<Real>& source,
-               std::vector<std::vector<Real>>& straight) const {
-        const FirstCollisions rays(scene, media, light);
-        const std::size_t values = solver.valuesPerRow();
-        std::vector<std::vector<Real>> even;  // used if the light comes from a single direction
-        if (!solver.isotropic() && light.distant())
-            for (const ScatterClass& cls : classes)
-                scatteringRow(ordinates, cls.first(), light.wsDirection, even.emplace_back(values).data(), simd);
-        parallelFor(media.grid.storedBlocks().size(), [&](std::size_t block) {
-            std::vector<Real> row(values);
-            for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
-                if (solver.rowOf(cell) < 0 || (straight.empty() && !scatters(cell))) continue;
-                const ArrivingInCell arriving = rays.at(cell);
-                if (!(arriving.irradiance[colour] > 0)) continue;
-                addStraight(arriving, cell, std::size_t(solver.rowOf(cell)), straight);
-                for (std::size_t k = 0; k < classes.size(); ++k) {
-                    const double scattered = scatteringOf(k, cell) * arriving.irradiance[colour];
-                    if (scattered == 0) continue;
-                    Real* to = source.data() + std::size_t(solver.rowOf(cell)) * values;
-                    if (solver.isotropic()) {
-                        *to += static_cast<Real>(scattered / (4 * std::numbers::pi));
-                        continue;
-                    }
-                    const Real* into = row.data();
-                    if (even.empty())
-                        scatteringRow(ordinates, classes[k].first(), arriving.travel, row.data(), simd);
-                    else
-                        into = even[k].data();
-                    for (std::size_t m = 0; m < values; ++m) to[m] += static_cast<Real>(scattered) * into[m];
-                }
-            }
-        });
-        if (once) return;
-        parallelFor(media.grid.sides(), [&](std::size_t side) {
-            double sum = 0;
-            for (const auto& [ws, normal] : media.grid.pointsOfSide(side)) sum += rays.onto(ws, normal)[colour];
-            source[solver.rows() * values + side] +=
-                static_cast<Real>(sum * media.grid.firstOfSide(side)[colour] / std::numbers::pi);
-        });
-    }
-
-  private:
-    // Where phase functions are mixed, each class sees the beam as if its own phase function had spread it.
-    void addStraight(const ArrivingInCell& arriving, std::size_t cell, std::size_t row,
-                     std::vector<std::vector<Real>>& straight) const {
-        if (straight.empty() || once || arriving.straightDepth[colour] == 0) return;
-        if (moments) {
-            const double mean =
-                -std::expm1(-arriving.straightDepth[colour]) * arriving.irradiance[colour] / (4 * std::numbers::pi);
-            straight[0][row] += static_cast<Real>(mean);
-            for (int axis = 0; axis < 3; ++axis)
-                straight[std::size_t(1 + axis)][row] += static_cast<Real>(mean * arriving.travel[axis]);
-            return;
-        }
-        const double cosine = glm::dot(arriving.travel, travelToEye(scene.camera, media.grid.wsCenter(cell)));
-        for (std::size_t k = 0; k < classes.size(); ++k) {
-            if (classes[k].once || !classes[k].litBy(owner)) continue;
-            const double part = classes[k].split.scatteredAgain(arriving.straightDepth[colour], cosine);
-            straight[k][row] += static_cast<Real>(arriving.irradiance[colour] * part);
-        }
-    }
-    double scatteringOf(std::size_t k, std::size_t cell) const {
-        return classes[k].once == once && classes[k].litBy(owner) ? media.scatteringOf(k, std::size_t(colour))[cell]
-                                                                  : 0;
-    }
-    bool scatters(std::size_t cell) const {
-        for (std::size_t k = 0; k < classes.size(); ++k)
-            if (scatteringOf(k, cell) > 0) return true;
-        return false;
-    }
-};
-
 }  // namespace
 
 Vec3 travelToEye(const Camera& camera, const Vec3& ws) {
@@ -331,40 +260,93 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
     return {radiance.begin(), radiance.end()};
 }
 
-std::vector<std::vector<Real>> fillSource(const ViewScene& scene, const CellMedia& media,
-                                          const std::vector<ScatterClass>& classes, const ScatterTarget& target,
-                                          int colour, const Ordinates& ordinates, Simd simd, bool once, bool moments,
-                                          TransportSolver& solver) {
-    std::vector<Real>& source = solver.clearedSource();
-    std::vector<std::vector<Real>> straight;
-    if (!media.straight.empty())
-        straight.assign(moments ? 4 : classes.size(), std::vector<Real>(solver.rows(), Real(0)));
-    for (const int light : target.lights) {
-        const auto owner = std::size_t(light);
-        const Light& whole = scene.lights[owner];
-        for (const Light& point : whole.dome() ? sunsOfSky(scene, whole) : pointsOf(scene, whole))
-            Collisions{scene, media, classes, owner, colour, ordinates, simd, once, moments}.addTo(solver, point,
-                                                                                                   source, straight);
+FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, bool once,
+                       const CellMedia& media, const CellMedia& last, const std::vector<ScatterClass>& lastClasses,
+                       bool moments, const TransportSolver& solver)
+    : m_colour(colour), m_once(once), m_emission(target.emission && !once), m_solver(solver) {
+    if (!last.straight.empty() && !once)
+        m_straight.assign(moments ? 4 : lastClasses.size(), std::vector<Real>(solver.rows(), Real(0)));
+    if (!once) m_onSides.assign(media.grid.sides(), Real(0));
+    for (const int owner : target.lights) {
+        const Light& whole = scene.lights[std::size_t(owner)];
+        for (const Light& point : whole.dome() ? sunsOfSky(scene, whole) : pointsOf(scene, whole)) {
+            const FirstCollisions rays(scene, media, last, point);
+            std::vector<Real>& irradiance = m_irradiance.emplace_back(solver.rows());
+            m_points.emplace_back(std::size_t(owner), point);
+            parallelFor(solver.rows(), [&](std::size_t row) {
+                const std::size_t cell = solver.cellOfRow()[row];
+                if (m_straight.empty() && !media.sends(cell)) return;
+                const ArrivingInCell arriving = rays.at(cell);
+                irradiance[row] = static_cast<Real>(arriving.irradiance[colour]);
+                addStraight(scene, lastClasses, moments, std::size_t(owner), arriving.travel, arriving.last[colour],
+                            arriving.straightDepth[colour], row, media.grid.wsCenter(cell));
+            });
+            parallelFor(m_onSides.size(), [&](std::size_t side) {
+                double sum = 0;
+                for (const auto& [ws, normal] : media.grid.pointsOfSide(side)) sum += rays.onto(ws, normal)[colour];
+                m_onSides[side] += static_cast<Real>(sum * media.grid.firstOfSide(side)[colour] / std::numbers::pi);
+            });
+        }
     }
-    if (once || !target.emission || media.emission.empty()) return straight;
-    const std::size_t values = solver.valuesPerRow();
-    for (std::size_t cell = 0; cell < media.grid.cells(); ++cell)
-        if (const Real glow = media.emission[std::size_t(colour)][cell]; glow > 0 && solver.rowOf(cell) >= 0)
-            for (std::size_t m = 0; m < values; ++m) source[std::size_t(solver.rowOf(cell)) * values + m] += glow;
-    return straight;
 }
 
-double phaseOver(const Phase& phase, double cosine, double toEye) {
-    constexpr double kNarrow = 0.9995;
-    if (cosine > kNarrow) return phaseValue(phase, toEye);
-    const double aside = std::sqrt(std::max(1 - toEye * toEye, 0.0));
-    double sum = 0;
-    for (const double node : {0.21132486540518713, 0.78867513459481287}) {
-        const double z = 1 - node * (1 - cosine), across = aside * std::sqrt(std::max(1 - z * z, 0.0));
-        for (const auto& [turn, count] : {std::pair(1.0, 1), {0.5, 2}, {-0.5, 2}, {-1.0, 1}})
-            sum += count * phaseValue(phase, std::clamp(z * toEye + across * turn, -1.0, 1.0));
+// Where phase functions are mixed, each class sees the beam as if its own phase function had spread it.
+void FirstLight::addStraight(const ViewScene& scene, const std::vector<ScatterClass>& classes, bool moments,
+                             std::size_t owner, const Vec3& travel, double irradiance, double depth, std::size_t row,
+                             const Vec3& ws) {
+    if (m_straight.empty() || depth == 0 || !(irradiance > 0)) return;
+    if (moments) {
+        const double mean = -std::expm1(-depth) * irradiance / (4 * std::numbers::pi);
+        m_straight[0][row] += static_cast<Real>(mean);
+        for (int axis = 0; axis < 3; ++axis)
+            m_straight[std::size_t(1 + axis)][row] += static_cast<Real>(mean * travel[axis]);
+        return;
     }
-    return sum / 12;
+    const double cosine = glm::dot(travel, travelToEye(scene.camera, ws));
+    for (std::size_t k = 0; k < classes.size(); ++k)
+        if (!classes[k].once && classes[k].litBy(owner))
+            m_straight[k][row] += static_cast<Real>(irradiance * classes[k].split.scatteredAgain(depth, cosine));
+}
+
+void FirstLight::addTo(const Ordinates& along, const std::vector<ScatterClass>& classes, const CellMedia& media,
+                       Simd simd, std::vector<Real>& source) const {
+    const std::size_t values = m_solver.valuesPerRow();
+    const std::vector<std::size_t>& cells = m_solver.cellOfRow();
+    for (std::size_t p = 0; p < m_points.size(); ++p) {
+        const auto& [owner, point] = m_points[p];
+        const LightAt light(point, kNearest * media.grid.edge());
+        std::vector<std::pair<std::size_t, std::vector<Real>>> lit;  // classes, and rows that serve all their cells
+        for (std::size_t k = 0; k < classes.size(); ++k) {
+            if (classes[k].once != m_once || !classes[k].litBy(owner)) continue;
+            std::vector<Real>& even = lit.emplace_back(k, std::vector<Real>(point.distant() ? values : 0)).second;
+            if (!even.empty() && !m_solver.isotropic())
+                scatteringRow(along, classes[k].first(), point.wsDirection, even.data(), simd);
+        }
+        parallelChunks(cells.size(), [&](std::size_t begin, std::size_t end) {
+            std::vector<Real> own(values);
+            for (std::size_t row = begin; row < end; ++row) {
+                if (!(m_irradiance[p][row] > 0)) continue;
+                for (const auto& [k, even] : lit) {
+                    const Real scattered =
+                        media.scatteringOf(k, std::size_t(m_colour))[cells[row]] * m_irradiance[p][row];
+                    Real* to = source.data() + row * values;
+                    if (m_solver.isotropic()) {
+                        *to += scattered / static_cast<Real>(4 * std::numbers::pi);
+                        continue;
+                    }
+                    if (even.empty() && scattered > 0)
+                        scatteringRow(along, classes[k].first(), light.at(media.grid.wsCenter(cells[row])).travel,
+                                      own.data(), simd);
+                    const Real* into = even.empty() ? own.data() : even.data();
+                    for (std::size_t m = 0; scattered > 0 && m < values; ++m) to[m] += scattered * into[m];
+                }
+            }
+        });
+    }
+    for (std::size_t side = 0; side < m_onSides.size(); ++side) source[cells.size() * values + side] += m_onSides[side];
+    for (std::size_t row = 0; m_emission && !media.emission.empty() && row < cells.size(); ++row)
+        for (std::size_t m = 0; m < values; ++m)
+            source[row * values + m] += media.emission[std::size_t(m_colour)][cells[row]];
 }
 
 double wayFrom(const Light& lamp, double r) {

@@ -6,6 +6,7 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/engine/transport/cell_media.h>
+#include <scrim/engine/transport/ordinates.h>
 #include <scrim/engine/transport/solver.h>
 #include <scrim/scene/view_scene.h>
 
@@ -27,21 +28,37 @@ Vec3 travelToEye(const Camera& camera, const Vec3& ws);
 /// closest to the ordinate. Empty if there are none.
 std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, const Ordinates& ordinates, int colour);
 
-/// Fills the solver's source for colour `colour` of the target: the light that its lights, except for skies, bring to
-/// each cell, and emission. With `once` it is the light that classes which scatter once send on, and no emission.
-/// Returns the part of that light which had scattered straight on before, because near a light the eye sees the narrow
-/// lobe more sharply than ordinates resolve it: [class][row of the solver], radiance towards the eye per unit of
-/// scattering coefficient; empty if there is none. With `moments` it is instead the mean over all directions of that
-/// light, and of it times its direction of travel along x, y and z: [moment][row]. A few points suffice for an extended
-/// light, since light that scatters twice has no sharp shadows.
-std::vector<std::vector<Real>> fillSource(const ViewScene& scene, const CellMedia& media,
-                                          const std::vector<ScatterClass>& classes, const ScatterTarget& target,
-                                          int colour, const Ordinates& ordinates, Simd simd, bool once, bool moments,
-                                          TransportSolver& solver);
+/// Light from a target's lights, except for skies, where it scatters for the first time, and emission, in one colour.
+/// An extended light counts as a few points, because light that scatters twice has no sharp shadows.
+class FirstLight {
+  public:
+    /// With `once` it is the light that classes which scatter once send on, and no emission. `media`: of the solve;
+    /// `last` and `lastClasses`: of its last sweep. `solver` must outlive this object.
+    FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, bool once, const CellMedia& media,
+               const CellMedia& last, const std::vector<ScatterClass>& lastClasses, bool moments,
+               const TransportSolver& solver);
 
-/// The mean of the phase function over light that comes from a cone whose axis has the cosine `toEye` to the direction
-/// towards the eye: two circles by Gauss and Legendre, six directions on each. `cosine`: of the cone's half angle.
-double phaseOver(const Phase& phase, double cosine, double toEye);
+    /// Adds it to a source as TransportSolver::source has it, along ordinates. `classes` and `media` belong to these.
+    void addTo(const Ordinates& along, const std::vector<ScatterClass>& classes, const CellMedia& media, Simd simd,
+               std::vector<Real>& source) const;
+    /// Light that had scattered straight on before and now scatters, because near a light the eye sees the narrow lobe
+    /// more sharply than ordinates resolve it: [class][row of the solver], radiance towards the eye per unit of
+    /// scattering coefficient; empty if there is none. With `moments` it is instead the mean over all directions of
+    /// that light, and of it times its direction of travel along x, y and z: [moment][row].
+    const std::vector<std::vector<Real>>& straight() const { return m_straight; }
+
+  private:
+    void addStraight(const ViewScene& scene, const std::vector<ScatterClass>& classes, bool moments, std::size_t owner,
+                     const Vec3& travel, double irradiance, double depth, std::size_t row, const Vec3& ws);
+
+    int m_colour;
+    bool m_once, m_emission;
+    const TransportSolver& m_solver;
+    std::vector<std::pair<std::size_t, Light>> m_points;  // indices of lights in the scene, and points of them
+    std::vector<std::vector<Real>> m_irradiance;          // [point][row], as the solve's media attenuate it
+    std::vector<std::vector<Real>> m_straight;
+    std::vector<Real> m_onSides;  // of walls: the radiance that they send back
+};
 
 /// The radius of a lamp that is a sphere; 0: it is a point.
 inline double radiusOfSphere(const Light& lamp) {

@@ -2,7 +2,6 @@
 #include <scrim/engine/transport/ordinates.h>
 
 #include <scrim/base/error.h>
-#include <scrim/base/least_squares.h>
 #include <scrim/base/legendre.h>
 
 #include <algorithm>
@@ -107,29 +106,21 @@ HWY_ATTR void fillRow(const Ordinates& ordinates, const Real* moments, std::size
     }
 }
 
-// Adds a lobe around `travel` whose sum with the ordinates' weights is `sum`: the series that is a line with ever
-// more terms, times a power of (1 + cosine) / 2. That takes away its waves far from the line, and leaves its low
-// moments.
-HWY_ATTR void addLobe(const Ordinates& ordinates, const Real* ones, std::size_t count, const Vec3& travel, Real sum,
-                      Real* row) {
+// Fills a row with a lobe around `travel`: the series that is a line with ever more terms, times a power of (1 +
+// cosine) / 2. That takes away its waves far from the line, and leaves its low moments.
+HWY_ATTR void fillLobe(const Ordinates& ordinates, const Real* ones, std::size_t count, const Vec3& travel, Real* row) {
     const D8 d;
-    HWY_ALIGN Real lobe[kMostOrdinates];
-    fillRow(ordinates, ones, count, travel, lobe);
+    fillRow(ordinates, ones, count, travel, row);
     const auto x = hn::Set(d, static_cast<Real>(0.5 * travel.x)), y = hn::Set(d, static_cast<Real>(0.5 * travel.y));
     const auto z = hn::Set(d, static_cast<Real>(0.5 * travel.z)), half = hn::Set(d, Real(0.5));
-    auto all = hn::Zero(d);
     for (std::size_t m = 0; m < std::size_t(ordinates.count()); m += hn::Lanes(d)) {
         auto window = hn::MulAdd(x, hn::LoadU(d, ordinates.axes[0].data() + m),
                                  hn::MulAdd(y, hn::LoadU(d, ordinates.axes[1].data() + m),
                                             hn::MulAdd(z, hn::LoadU(d, ordinates.axes[2].data() + m), half)));
-        for (int power = 1; power < ordinates.count() / 16; power *= 2) window = hn::Mul(window, window);
-        const auto value = hn::Mul(window, hn::LoadU(d, lobe + m));
-        hn::StoreU(value, d, lobe + m);
-        all = hn::MulAdd(value, hn::LoadU(d, ordinates.weightRow.data() + m), all);
+        for (int power = 1; power < ordinates.parts * ordinates.count() / 16; power *= 2)
+            window = hn::Mul(window, window);
+        hn::StoreU(hn::Mul(window, hn::LoadU(d, row + m)), d, row + m);
     }
-    const auto factor = hn::Set(d, sum / hn::GetLane(hn::SumOfLanes(d, all)));
-    for (std::size_t m = 0; m < std::size_t(ordinates.count()); m += hn::Lanes(d))
-        hn::StoreU(hn::MulAdd(factor, hn::LoadU(d, lobe + m), hn::LoadU(d, row + m)), d, row + m);
 }
 
 HWY_ATTR Real weightedSum(const Ordinates& ordinates, const Real* a, const Real* b) {
@@ -151,7 +142,7 @@ namespace scrim {
 HWY_EXPORT(signedSums);
 HWY_EXPORT(multiplyRows);
 HWY_EXPORT(fillRow);
-HWY_EXPORT(addLobe);
+HWY_EXPORT(fillLobe);
 HWY_EXPORT(weightedSum);
 
 namespace {
@@ -196,6 +187,22 @@ Ordinates ordinates(int count) {
     return out;
 }
 
+std::vector<Ordinates> divided(const Ordinates& all, int parts) {
+    std::vector<Ordinates> sets(static_cast<std::size_t>(parts));
+    for (Ordinates& set : sets) {
+        set.perOctant = all.perOctant / parts;
+        set.parts = parts;
+    }
+    for (std::size_t m = 0; m < all.directions.size(); ++m) {
+        Ordinates& set = sets[m % std::size_t(parts)];  // an octant has a multiple of `parts`
+        set.directions.push_back(all.directions[m]);
+        set.weights.push_back(all.weights[m]);
+        for (int axis = 0; axis < 3; ++axis) set.axes[axis].push_back(all.axes[axis][m]);
+        set.weightRow.push_back(all.weightRow[m]);
+    }
+    return sets;
+}
+
 int nearestOrdinate(const Ordinates& ordinates, const Vec3& direction) {
     int best = 0;
     for (int m = 1; m < ordinates.count(); ++m)
@@ -209,31 +216,17 @@ int resolvedMoments(int ordinates) {
     return 2 * static_cast<int>(anglesOf(ordinates).size());
 }
 
-std::vector<double> legendreMoments(const Phase& phase, int count) {
-    std::vector<double> moments(std::size_t(count), 0.0);
-    for (std::size_t l = 0; l < moments.size(); ++l) {
-        const auto n = static_cast<double>(l);
-        moments[l] = phase.type == PhaseType::rayleigh ? (l == 0   ? 1
-                                                          : l == 2 ? 0.1 * phase.strength
-                                                                   : 0)
-                     : phase.type == PhaseType::twoLobe
-                         ? (1 - phase.blend) * std::pow(phase.g, n) + phase.blend * std::pow(phase.g2, n)
-                         : std::pow(phase.g, n);
-    }
-    return moments;
-}
-
-std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const std::vector<double>& moments) {
-    const auto perOctant = std::size_t(ordinates.perOctant);
+std::vector<Real> scatteringMatrix(const Ordinates& from, const Ordinates& to, const std::vector<double>& moments) {
+    const auto perOctant = std::size_t(from.perOctant);
     std::vector<Real> out(8 * perOctant * perOctant);
     parallelFor(perOctant, [&](std::size_t n) {
         for (std::size_t m = 0; m < perOctant; ++m) {
             double values[8];  // from the first octant to each
             for (std::size_t octant = 0; octant < 8; ++octant) {
                 values[octant] = 0;
-                const Vec3& to = ordinates.directions[octant * perOctant + m];
-                forLegendre(moments.size(), glm::dot(ordinates.directions[n], to), [&](std::size_t l, double p) {
-                    values[octant] += ordinates.weights[n] * (2 * double(l) + 1) * moments[l] * p / (4 * kPi);
+                const double cosine = glm::dot(from.directions[n], to.directions[octant * perOctant + m]);
+                forLegendre(moments.size(), cosine, [&](std::size_t l, double p) {
+                    values[octant] += from.weights[n] * (2 * double(l) + 1) * moments[l] * p / (4 * kPi);
                 });
             }
             for (unsigned signs = 0; signs < 8; ++signs) {
@@ -274,118 +267,17 @@ void scatteringRow(const Ordinates& ordinates, const std::vector<double>& moment
     SCRIM_ON_TARGET(simd, fillRow)(ordinates, scaled.data(), moments.size(), travel, row);
 }
 
-void gatheringRow(const Ordinates& ordinates, const SplitPhase& phase, const Vec3& travel, Real* row, Simd simd) {
-    scatteringRow(ordinates, phase.spread(), travel, row, simd, 1 - phase.straight());
-    if (phase.straight() == 0) return;
+void lobeRow(const Ordinates& ordinates, std::size_t moments, const Vec3& travel, Real* row, Simd simd) {
     static constexpr std::array<Real, kMostResolved> kOnes = [] {
         std::array<Real, kMostResolved> ones{};
         ones.fill(1);
         return ones;
     }();
-    SCRIM_ON_TARGET(simd, addLobe)
-    (ordinates, kOnes.data(), phase.spread().size(), travel, static_cast<Real>(phase.straight()), row);
+    SCRIM_ON_TARGET(simd, fillLobe)(ordinates, kOnes.data(), moments, travel, row);
 }
 
 Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd) {
     return SCRIM_ON_TARGET(simd, weightedSum)(ordinates, scattering, radiance);
-}
-
-namespace {
-
-// The table over depth / (1 + depth) and the sine of half the angle, both in [0, 1]; linear between entries.
-constexpr int kDepths = 64, kAngles = 256;
-constexpr double kLeastMoment = 1e-4;
-constexpr int kMostMoments = 400;
-
-// The phase function with its narrowest lobes widened. Narrower ones are like a line here, forwards and backwards, and
-// would only cause divisions by zero.
-Phase heldLobes(Phase phase) {
-    constexpr double kNarrowest = 0.9999;
-    phase.g = std::clamp(phase.g, -kNarrowest, kNarrowest);
-    phase.g2 = std::clamp(phase.g2, -kNarrowest, kNarrowest);
-    return phase;
-}
-
-}  // namespace
-
-namespace {
-
-// Moments of which the first two are `moments`. The series of all of them, times 1 - straight, is as close as can be to
-// the phase function at angles beyond kLobe, relative to it.
-std::vector<double> besideLobe(const Phase& phase, std::vector<double> moments, double straight) {
-    constexpr std::size_t kKept = 2;
-    constexpr double kLobe = 0.35;
-    constexpr int kSteps = 720;
-    const std::size_t free = moments.size() - kKept;
-    std::vector<std::vector<double>> matrix(free, std::vector<double>(free, 0.0));
-    std::vector<double> right(free, 0.0), terms(free);
-    for (int i = static_cast<int>(kLobe / kPi * kSteps); i < kSteps; ++i) {
-        const double angle = kPi * (i + 0.5) / kSteps, value = phaseValue(phase, std::cos(angle));
-        double left = 1;  // relative to the value, as all terms
-        forLegendre(moments.size(), std::cos(angle), [&](std::size_t l, double p) {
-            const double term = (2 * double(l) + 1) * p * (1 - straight) / (4 * kPi * value);
-            if (l < kKept)
-                left -= term * moments[l];
-            else
-                terms[l - kKept] = term;
-        });
-        for (std::size_t r = 0; r < free; ++r) {
-            right[r] += std::sin(angle) * terms[r] * left;
-            for (std::size_t c = 0; c < free; ++c) matrix[r][c] += std::sin(angle) * terms[r] * terms[c];
-        }
-    }
-    const std::vector<double> found = leastSquares(std::move(matrix), std::move(right));
-    std::copy(found.begin(), found.end(), moments.begin() + std::ptrdiff_t(kKept));
-    return moments;
-}
-
-}  // namespace
-
-SplitPhase::SplitPhase(const Phase& given, int ordinates) {
-    constexpr double kLittle = 1e-3;  // what goes straight on below this is not worth a table
-    const Phase phase = heldLobes(given);
-    const int resolved = resolvedMoments(ordinates);
-    m_spread = m_first = m_whole = legendreMoments(phase, resolved);
-    if (phase.type == PhaseType::rayleigh) return;
-    // Light goes straight on forwards only: what is left of backward lobes is cut off.
-    const Phase forwards{std::max(phase.g, 0.0), phase.type, std::max(phase.g2, 0.0), phase.blend};
-    m_straight = legendreMoments(forwards, resolved + 1).back();
-    if (m_straight < kLittle) m_straight = 0;
-    if (m_straight == 0) return;
-    for (double& moment : m_spread) moment = (moment - m_straight) / (1 - m_straight);
-    m_first = ordinates == int(kMostOrdinates) ? besideLobe(phase, m_spread, m_straight) : m_spread;
-    const std::vector<double> all = legendreMoments(phase, kMostMoments);
-    m_table.resize(std::size_t(kDepths) * kAngles);
-    parallelFor(kDepths, [&](std::size_t i) {
-        const double part = double(i) / (kDepths - 1);
-        const double depth = i + 1 < kDepths ? part / (1 - part) : 1e6;
-        std::vector<double> weights;
-        for (std::size_t l = 0; l < all.size(); ++l) {
-            const double rest = l < m_first.size() ? (1 - m_straight) * m_first[l] : 0;
-            const double narrow = (all[l] - rest) / m_straight;
-            weights.push_back(double(2 * l + 1) / (4 * kPi) * all[l] *
-                              (std::exp(depth * (narrow - 1)) - std::exp(-depth)));
-            if (l > m_spread.size() && std::abs(all[l]) * double(2 * l + 1) < kLeastMoment) break;
-        }
-        for (int a = 0; a < kAngles; ++a) {
-            const double sine = double(a) / (kAngles - 1);
-            double sum = 0;
-            forLegendre(weights.size(), 1 - 2 * sine * sine, [&](std::size_t l, double p) { sum += weights[l] * p; });
-            m_table[i * kAngles + std::size_t(a)] = static_cast<float>(sum);
-        }
-    });
-}
-
-double SplitPhase::scatteredAgain(double depth, double cosTheta) const {
-    if (m_table.empty()) return 0;
-    const double i = depth / (1 + depth) * (kDepths - 1);
-    const double a = std::sqrt(std::clamp(0.5 * (1 - cosTheta), 0.0, 1.0)) * (kAngles - 1);
-    const auto row = std::min(static_cast<std::size_t>(i), std::size_t(kDepths - 2));
-    const auto column = std::min(static_cast<std::size_t>(a), std::size_t(kAngles - 2));
-    const double t = i - double(row), s = a - double(column);
-    const float* p = m_table.data() + row * kAngles + column;
-    const auto along = [&](const float* v) { return double(v[0]) + s * double(v[1] - v[0]); };
-    return along(p) + t * (along(p + kAngles) - along(p));
 }
 
 }  // namespace scrim

@@ -6,7 +6,7 @@
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/geometry/spaces.h>
-#include <scrim/scene/medium.h>
+#include <scrim/scene/split_phase.h>
 
 #include <cstddef>
 #include <vector>
@@ -23,6 +23,7 @@ struct Ordinates {
 
     /// The same for vectors: x, y, z and weight, one value for each ordinate.
     std::vector<Real> axes[3], weightRow;
+    int parts = 1;  ///< of these this is one; weights of all parts together sum to 4 pi
 
     int count() const { return static_cast<int>(directions.size()); }
 };
@@ -34,25 +35,25 @@ inline constexpr std::size_t kMostOrdinates = kOrdinateCounts[2];
 /// Throws Error(usage) for any other count.
 Ordinates ordinates(int count);
 
+/// Divides ordinates into `parts` sets, which have the same number in every octant, too.
+std::vector<Ordinates> divided(const Ordinates& all, int parts);
+
 /// The index of the ordinate closest to a unit vector.
 int nearestOrdinate(const Ordinates& ordinates, const Vec3& direction);
-
-/// The first `count` Legendre moments of a phase function: g^l for Henyey and Greenstein's.
-std::vector<double> legendreMoments(const Phase& phase, int count);
 
 /// The number of moments that ordinates resolve: products of two Legendre series of so many terms are integrated
 /// exactly.
 int resolvedMoments(int ordinates);
 
-/// The radiance scattered into each ordinate m from unit radiance along each other one n, times that one's weight:
-/// w_n p(n -> m), where p has Legendre moments `moments`, at most resolvedMoments(). The quadrature integrates it
-/// exactly, so rows and columns sum to one: energy is conserved, and uniform radiance stays uniform. All moments are
-/// those of the phase function.
+/// The radiance scattered into each ordinate m of `to` from unit radiance along each ordinate n of `from`, of which
+/// there are as many, times that one's weight: w_n p(n -> m), where p has Legendre moments `moments`, at most
+/// resolvedMoments() of `from`. The quadrature integrates it exactly, so columns sum to one, and rows if both sets are
+/// one: energy is conserved, and uniform radiance stays uniform. All moments are those of the phase function.
 ///
 /// Octants are mirror images of each other, so the matrix depends on the pair of octants only by the axes in which they
 /// differ. Sums of a row over octants, with signs, are therefore scattered apart from each other. Kept are the eight
 /// blocks for these sums, perOctant^2 values each, n before m, times 1/8: an eighth of the whole matrix.
-std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const std::vector<double>& moments);
+std::vector<Real> scatteringMatrix(const Ordinates& from, const Ordinates& to, const std::vector<double>& moments);
 
 /// The rows that are scattered together, because they share loads of a matrix.
 inline constexpr std::size_t kRowsTogether = 4;
@@ -75,48 +76,12 @@ void scatteringRow(const Ordinates& ordinates, const std::vector<double>& moment
 /// The weighted sum of a row of radiance along ordinates.
 Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd);
 
-class SplitPhase;
-
-/// What an eye that light reaches along `travel` sees of each ordinate's radiance, as scatteringRow has it for the sum
-/// with the ordinates' weights. The series of a narrow lobe has waves on all sides: with g = 0.9 and ten moments it is
-/// -6 times the phase function in the direction back. Therefore what continues straight on is gathered from ordinates
-/// around `travel` only. With that and SplitPhase::first(), the differences to 1,024 ordinates, in smoke of g = 0.9
-/// lit from the eye's side, from aside and from behind, became 1.5, 1.3 and 2.3 % with 256 ordinates (before: 7.1, 2.6
-/// and 2.4 %), and for g = 0.75 0.8, 1.3 and 1.6 % with 64 (1.3, 1.7 and 1.7 %).
-void gatheringRow(const Ordinates& ordinates, const SplitPhase& phase, const Vec3& travel, Real* row, Simd simd);
-
-/// Splits a phase function whose lobes are too narrow for the ordinates: part of the light continues straight on as if
-/// it had not been scattered, and all moments that the ordinates resolve are preserved (W. J. Wiscombe, The Delta-M
-/// Method, J. Atmos. Sci. 34, 1977). The light of a beam that continued straight on is shown to the eye without this
-/// approximation of its directions, because the eye is sensitive to them.
-class SplitPhase {
-  public:
-    /// Splits `phase` for a solve with `ordinates` directions.
-    SplitPhase(const Phase& phase, int ordinates);
-
-    /// The fraction of scattered light that continues straight on, in [0, 1).
-    double straight() const { return m_straight; }
-    /// The moments of the rest.
-    const std::vector<double>& spread() const { return m_spread; }
-    /// The moments by which light from a light is scattered for the first time. It comes from one direction, which no
-    /// ordinates resolve. With most of kOrdinateCounts, these are not those of the rest: the first two are, and the
-    /// others make the series most like the phase function away from its lobe, relative to it.
-    const std::vector<double>& first() const { return m_first; }
-    /// The moments of both that the ordinates resolve.
-    const std::vector<double>& whole() const { return m_whole; }
-
-    /// The light of a beam, relative to the beam, that was scattered before and is now scattered, per steradian, in a
-    /// direction at cosine `cosTheta` to the beam. The beam has passed the optical depth `depth` of scattering straight
-    /// on. In the solve it is as narrow as before, but its true light is not: each time, it is spread by the phase
-    /// function minus its moments in `first`. In Legendre's polynomials the repeated spreading is a product, and the
-    /// sum over the number of times is an exponential. The difference may be below zero far from the beam, and then so
-    /// is the result; this preserves its sum.
-    double scatteredAgain(double depth, double cosTheta) const;
-
-  private:
-    double m_straight = 0;
-    std::vector<double> m_spread, m_first, m_whole;
-    std::vector<float> m_table;  // over depth and angle, see ordinates.cpp
-};
+/// Ordinates by which an eye, which light reaches along `travel`, sees the light that continues straight on
+/// (SplitPhase): a lobe around `travel`, to be divided by its sum with the weights of all parts of a set. The series of
+/// `moments` moments that is such a line has waves on all sides: with that of g = 0.9, ten moments together are -6
+/// times the phase function in the direction back. With the lobe and SplitPhase::first(), the differences to 1,024
+/// ordinates, in smoke of g = 0.9 lit from the eye's side, from aside and from behind, became 1.5, 1.3 and 2.3 % with
+/// 256 ordinates (before: 7.1, 2.6 and 2.4 %), and for g = 0.75 0.8, 1.3 and 1.6 % with 64 (1.3, 1.7 and 1.7 %).
+void lobeRow(const Ordinates& ordinates, std::size_t moments, const Vec3& travel, Real* row, Simd simd);
 
 }  // namespace scrim

@@ -3,6 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
+#include <scrim/engine/transport/last_sweep.h>
 #include <scrim/engine/transport/light_sources.h>
 
 #include <algorithm>
@@ -72,13 +73,13 @@ class ScatteredLight {
   private:
     void solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint);
-    void keep(const ViewScene& scene, const TransportSolver& solver, const SplitPhase& phase, const Real* straight,
-              const Ordinates& ordinates, Simd simd, const Rgb& colours, CellField& field) const;
-    void keepFlux(const TransportSolver& solver, const std::vector<std::vector<Real>>& straight,
-                  const Ordinates& ordinates, Simd simd, const Rgb& colours);
+    enum { full = 1, once = 2 };
+    void keep(const std::vector<ScatterClass>& classes, const TransportSolver& solver,
+              const std::vector<std::vector<Real>>& kept, const std::vector<std::vector<Real>>& straight, int which,
+              const Rgb& colours, const std::shared_ptr<CellField>* fields) const;
+    void keepFlux(const TransportSolver& solver, const std::vector<std::vector<Real>>& kept,
+                  const std::vector<std::vector<Real>>& straight, const Rgb& colours);
     void limitFlux();
-    std::vector<Real> scatteredOnce(const CellMedia& media, const std::vector<ScatterClass>& classes, int colour,
-                                    const Ordinates& directions, Simd simd, const TransportSolver& solver) const;
     void extrapolate(const ViewScene& scene, const TransportPlan& plan, Simd simd,
                      const std::function<void()>& checkpoint);
     // Takes what has not scattered before out of the fields.
@@ -101,7 +102,7 @@ class ScatteredLight {
 ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan, Kept kept, Simd simd,
                                const std::function<void()>& checkpoint)
     : m_kept(kept), m_targets(plan.targets) {
-    const std::vector<ScatterClass> classes = scatterClasses(scene, plan.ordinates);
+    const std::vector<ScatterClass> classes = scatterClasses(scene, solvedOrdinates(plan.ordinates));
     m_classes = classes.size();
     m_classOf.assign(scene.volumes.size(), -1);
     for (std::size_t k = 0; k < classes.size(); ++k)
@@ -129,132 +130,88 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
 // scatter it, but once. So a second solve begins with what these make of the first one, and only the others show it.
 void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                            const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint) {
-    const Ordinates directions = ordinates(plan.ordinates);
-    TransportSolver solver(media, classes,
-                           {directions, scene.dials.scatterError, 60, simd, checkpoint, m_kept == Kept::meanAndFlux});
-    m_bytes += solver.bytes();
-    const bool eye = m_kept == Kept::towardsEye;
+    const Ordinates directions = ordinates(solvedOrdinates(plan.ordinates));
+    const bool eye = m_kept == Kept::towardsEye, flux = m_kept == Kept::meanAndFlux;
+    TransportSolver solver(media, classes, {directions, scene.dials.scatterError, 60, simd, checkpoint, flux});
+    LastSweep last(scene, media, classes, plan.ordinates, eye ? &scene.camera : nullptr, flux, solver, simd);
+    m_bytes += solver.bytes() + last.bytes();
+    const bool someOnce = std::ranges::any_of(classes, &ScatterClass::once);
     for (std::size_t t = 0; t < m_targets.size(); ++t) {
         for (const auto& [target, colours] : partsOf(scene, plan, m_targets[t])) {
-            const int colour = axisOfLargest(colours);
-            const std::vector<std::vector<Real>> straight =
-                fillSource(scene, media, classes, target, colour, directions, simd, false, !eye, solver);
-            const std::vector<Real> inflow = inflowOf(scene, target, directions, colour);
-            m_solved += solver.solve(std::size_t(colour), inflow);
-            enum { full = 1, once = 2 };
-            const auto keepIn = [&](const std::vector<std::shared_ptr<CellField>>& fields, int which, bool beams,
-                                    double factor) {
-                for (std::size_t k = 0; k < m_classes; ++k)
-                    if ((which & (classes[k].once ? once : full)) != 0)
-                        keep(scene, solver, classes[k].split,
-                             beams && !straight.empty() && !classes[k].once ? straight[eye ? k : 0].data() : nullptr,
-                             directions, simd, factor * colours, *fields[t * m_classes + k]);
+            const auto colour = std::size_t(axisOfLargest(colours));
+            const auto light = [&](bool ofOnce) {
+                return FirstLight(scene, target, int(colour), ofOnce, media, last.media(), last.classes(), !eye,
+                                  solver);
             };
-            keepIn(m_fields, full | once, true, 1);
-            keepFlux(solver, straight, directions, simd, colours);
-            const std::vector<Real> again = scatteredOnce(media, classes, colour, directions, simd, solver);
+            const auto keepIn = [&](const std::vector<std::shared_ptr<CellField>>& fields, int which, const auto& kept,
+                                    const auto& straight, double factor) {
+                keep(last.classes(), solver, kept, straight, which, factor * colours, &fields[t * m_classes]);
+            };
+            const std::vector<std::vector<Real>> none;
+            const FirstLight first = light(false);
+            first.addTo(directions, classes, media, simd, solver.clearedSource());
+            m_solved += solver.solve(colour, inflowOf(scene, target, directions, int(colour)));
+            const std::vector<Real> before = someOnce ? solver.radiance() : std::vector<Real>();
+            const std::vector<Real> inflow = inflowOf(scene, target, last.ordinates(), int(colour));
+            const auto kept = last.pass(colour, inflow, true, [&](const Ordinates& along, std::vector<Real>& source) {
+                first.addTo(along, last.classes(), last.media(), simd, source);
+            });
+            keepIn(m_fields, full | once, kept, first.straight(), 1);
+            keepFlux(solver, kept, first.straight(), colours);
             const bool apart = !inflow.empty() && m_classes > 0 && m_unscattered[t * m_classes];
-            if (!inflow.empty() && (apart || !again.empty())) {
-                solver.solveUnscattered(inflow);
-                if (apart) keepIn(m_unscattered, full, false, 1);
-                if (apart) keepFlux(solver, {}, directions, simd, -colours);
-                keepIn(m_fields, once, false, -1);  // they see it as a medium that scatters once does
+            if (!inflow.empty() && (apart || someOnce)) {
+                const auto unscattered = last.pass(colour, inflow, false, {});
+                if (apart) keepIn(m_unscattered, full, unscattered, none, 1);
+                if (apart) keepFlux(solver, unscattered, none, -colours);
+                keepIn(m_fields, once, unscattered, none, -1);  // they see it as a medium that scatters once does
             }
-            if (again.empty()) continue;
-            fillSource(scene, media, classes, target, colour, directions, simd, true, false, solver);
-            std::vector<Real>& source = solver.source();
-            for (std::size_t i = 0; i < again.size(); ++i) source[i] += again[i];
-            m_solved += solver.solve(std::size_t(colour), {});
-            keepIn(m_fields, full, false, 1);
-            keepFlux(solver, {}, directions, simd, colours);
+            if (!someOnce) continue;
+            const FirstLight again = light(true);
+            again.addTo(directions, classes, media, simd, solver.clearedSource());
+            last.addScattered(true, colour, before, directions, solver.source());
+            m_solved += solver.solve(colour, {});
+            const auto second = last.pass(colour, {}, true, [&](const Ordinates& along, std::vector<Real>& source) {
+                again.addTo(along, last.classes(), last.media(), simd, source);
+                last.addScattered(true, colour, before, along, source);
+            });
+            keepIn(m_fields, full, second, none, 1);
+            keepFlux(solver, second, none, colours);
         }
         for (std::size_t f = t * m_classes; f < (t + 1) * m_classes; ++f)
             for (const auto& field : {m_fields[f], m_unscattered[f]})
                 if (field) fillBorders(solver, *field);
     }
-    for (const auto& flux : m_flux)
-        if (flux) fillBorders(solver, *flux);
+    for (const auto& field : m_flux)
+        if (field) fillBorders(solver, *field);
+    m_solved.cellDirections += last.cellDirections();
 }
 
-// What classes that scatter once make of a solve's radiance, as a source; empty if there are none of them.
-std::vector<Real> ScatteredLight::scatteredOnce(const CellMedia& media, const std::vector<ScatterClass>& classes,
-                                                int colour, const Ordinates& directions, Simd simd,
-                                                const TransportSolver& solver) const {
-    const std::size_t values = solver.valuesPerRow();
-    std::vector<Real> source;
-    for (std::size_t k = 0; k < m_classes; ++k) {
-        if (!classes[k].once) continue;
-        source.resize(solver.rows() * values, Real(0));
-        std::vector<std::vector<Real>> matrix;
-        if (!solver.isotropic()) matrix.push_back(scatteringMatrix(directions, classes[k].split.whole()));
-        const std::vector<Real>& scattering = media.scatteringOf(k, std::size_t(colour));
-        parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
-            std::vector<Real> row(values);
-            for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
-                const std::int32_t at = solver.rowOf(cell);
-                if (at < 0 || scattering[cell] == 0) continue;
-                std::copy_n(solver.radiance().data() + std::size_t(at) * values, values, row.data());
-                if (!matrix.empty()) mixOrdinates(matrix, {}, 0, 1, values, row.data(), simd);
-                for (std::size_t m = 0; m < values; ++m)
-                    source[std::size_t(at) * values + m] += scattering[cell] * row[m];
-            }
+// Adds what is kept of a pass to a target's fields, for the cells inside of blocks. `which`: full, once or both.
+void ScatteredLight::keep(const std::vector<ScatterClass>& classes, const TransportSolver& solver,
+                          const std::vector<std::vector<Real>>& kept, const std::vector<std::vector<Real>>& straight,
+                          int which, const Rgb& colours, const std::shared_ptr<CellField>* fields) const {
+    for (std::size_t k = 0; k < classes.size(); ++k) {
+        if ((which & (classes[k].once ? once : full)) == 0) continue;
+        const bool beams = !straight.empty() && !classes[k].once;
+        const std::size_t own = m_kept == Kept::towardsEye ? k : 0;
+        parallelFor(solver.rows(), [&](std::size_t row) {
+            // Series and differences may go below zero.
+            const Real light = std::max(kept[k][row] + (beams ? straight[own][row] : Real(0)), Real(0));
+            Real* to = fields[k]->cell(solver.cellOfRow()[row]);
+            for (int c = 0; c < 3; ++c) to[c] = std::max(to[c] + static_cast<Real>(colours[c]) * light, Real(0));
         });
     }
-    return source;
 }
 
-// Adds what is kept of a solve to a field, for the cells inside of blocks: what the eye sees, or the mean, which is
-// what is scattered by a phase function whose other moments are 0.
-void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver, const SplitPhase& phase,
-                          const Real* straight, const Ordinates& directions, Simd simd, const Rgb& colours,
-                          CellField& field) const {
-    const std::size_t values = solver.valuesPerRow();
-    parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
-        std::vector<Real> row(values);
-        for (std::size_t i = 0; i < kBlockCells; ++i) {
-            const std::size_t cell = block * kBlockCells + i;
-            const std::int32_t at = solver.rowOf(cell);
-            if (at < 0) continue;
-            const Real* radiance = solver.radiance().data() + std::size_t(at) * values;
-            double seen = double(*radiance);
-            if (!solver.isotropic()) {
-                const Vec3 travel = travelToEye(scene.camera, m_grid->wsCenter(cell));
-                if (m_kept == Kept::towardsEye)
-                    gatheringRow(directions, phase, travel, row.data(), simd);
-                else
-                    scatteringRow(directions, {1}, travel, row.data(), simd);
-                seen = double(gathered(directions, row.data(), radiance, simd));
-            }
-            if (straight) seen += double(straight[at]);
-            seen = std::max(seen, 0.0);  // series and differences may go below zero
-            Real* to = field.cell(cell);
-            for (int c = 0; c < 3; ++c) to[c] = std::max(to[c] + static_cast<Real>(colours[c] * seen), Real(0));
-        }
-    });
-}
-
-// Adds the flux of a solve. Cosines are the series of the second moment alone.
-void ScatteredLight::keepFlux(const TransportSolver& solver, const std::vector<std::vector<Real>>& straight,
-                              const Ordinates& directions, Simd simd, const Rgb& colours) {
-    if (m_kept != Kept::meanAndFlux) return;
-    for (int axis = 0; axis < 3; ++axis) {
-        Vec3 along(0);
-        along[axis] = 1;
-        std::vector<Real> row(solver.valuesPerRow());
-        scatteringRow(directions, {0, 1.0 / 3}, along, row.data(), simd);
-        parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
-            for (std::size_t i = 0; i < kBlockCells; ++i) {
-                const std::size_t cell = block * kBlockCells + i;
-                const std::int32_t at = solver.rowOf(cell);
-                if (at < 0) continue;
-                double flux = double(
-                    gathered(directions, row.data(), solver.radiance().data() + std::size_t(at) * row.size(), simd));
-                if (!straight.empty()) flux += double(straight[std::size_t(1 + axis)][std::size_t(at)]);
-                for (int c = 0; c < 3; ++c)
-                    m_flux[std::size_t(axis)]->cell(cell)[c] += static_cast<Real>(colours[c] * flux);
-            }
+// Adds the flux of a pass.
+void ScatteredLight::keepFlux(const TransportSolver& solver, const std::vector<std::vector<Real>>& kept,
+                              const std::vector<std::vector<Real>>& straight, const Rgb& colours) {
+    for (std::size_t axis = 0; m_kept == Kept::meanAndFlux && axis < 3; ++axis)
+        parallelFor(solver.rows(), [&](std::size_t row) {
+            const Real flux = kept[m_classes + axis][row] + (straight.empty() ? Real(0) : straight[1 + axis][row]);
+            Real* to = m_flux[axis]->cell(solver.cellOfRow()[row]);
+            for (int c = 0; c < 3; ++c) to[c] += static_cast<Real>(colours[c]) * flux;
         });
-    }
 }
 
 // Fills the cells around each block from its neighbours. Cells without a row of their own get the mean of neighbours
@@ -262,7 +219,7 @@ void ScatteredLight::keepFlux(const TransportSolver& solver, const std::vector<s
 void ScatteredLight::fillBorders(const TransportSolver& solver, CellField& field) const {
     const auto known = [&](const Int3& place) -> const Real* {
         const std::ptrdiff_t cell = m_grid->index(place);
-        if (cell < 0 || solver.rowOf(std::size_t(cell)) < 0) return nullptr;
+        if (cell < 0 || solver.rowOfCell()[std::size_t(cell)] < 0) return nullptr;
         return field.cell(std::size_t(cell));
     };
     parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {

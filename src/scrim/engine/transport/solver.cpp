@@ -26,30 +26,6 @@ constexpr double kFall = 0.3;  // initial estimate of the residual's ratio from 
 // Steps that Anderson's acceleration mixes: few for cells that have a value for each ordinate.
 constexpr std::size_t kHistory = 6, kShortHistory = 3;
 
-// Whether light from outside of all cells gets past the walls of `grid` to the cells at its border, see CellSweep.
-std::vector<std::uint8_t> bordersOpen(const CellGrid& grid, const Ordinates& ordinates) {
-    const Int3 size = grid.blocks() * kCellEdge;
-    const auto count = std::size_t(ordinates.count());
-    std::vector<std::uint8_t> open;
-    constexpr double kFar = 1e9;  // edges
-    for (int axis = 0; axis < 3; ++axis) {
-        const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-        const std::size_t first = open.size(), faces = std::size_t(size[u]) * std::size_t(size[v]);
-        open.resize(first + faces * count);
-        parallelFor(faces, [&](std::size_t i) {
-            Int3 cell(0);
-            cell[u] = static_cast<int>(i) % size[u];
-            cell[v] = static_cast<int>(i) / size[u];
-            for (std::size_t m = 0; m < count; ++m) {
-                cell[axis] = ordinates.directions[m][axis] < 0 ? size[axis] - 1 : 0;
-                const Vec3 ws = grid.wsInside(cell);
-                open[first + i * count + m] = grid.sees(ws, ws - kFar * grid.edge() * ordinates.directions[m]) ? 1 : 0;
-            }
-        });
-    }
-    return open;
-}
-
 }  // namespace
 
 // The cells of one size, with what a solve keeps for them.
@@ -70,6 +46,30 @@ struct TransportSolver::Level {
     const CellMedia& cells() const { return own ? *own : media; }
 };
 
+std::vector<std::uint8_t> openBorder(const CellGrid& grid, const Ordinates& ordinates) {
+    const Int3 size = grid.blocks() * kCellEdge;
+    const auto count = std::size_t(ordinates.count());
+    std::vector<std::uint8_t> open;
+    if (!grid.hasWalls()) return open;
+    constexpr double kFar = 1e9;  // edges
+    for (int axis = 0; axis < 3; ++axis) {
+        const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+        const std::size_t first = open.size(), faces = std::size_t(size[u]) * std::size_t(size[v]);
+        open.resize(first + faces * count);
+        parallelFor(faces, [&](std::size_t i) {
+            Int3 cell(0);
+            cell[u] = static_cast<int>(i) % size[u];
+            cell[v] = static_cast<int>(i) / size[u];
+            for (std::size_t m = 0; m < count; ++m) {
+                cell[axis] = ordinates.directions[m][axis] < 0 ? size[axis] - 1 : 0;
+                const Vec3 ws = grid.wsInside(cell);
+                open[first + i * count + m] = grid.sees(ws, ws - kFar * grid.edge() * ordinates.directions[m]) ? 1 : 0;
+            }
+        });
+    }
+    return open;
+}
+
 TransportSolver::TransportSolver(const CellMedia& media, const std::vector<ScatterClass>& classes, Settings settings)
     : m_classes(classes), m_settings(std::move(settings)) {
     m_full = std::size_t(std::count_if(classes.begin(), classes.end(), [](const ScatterClass& c) { return !c.once; }));
@@ -77,7 +77,8 @@ TransportSolver::TransportSolver(const CellMedia& media, const std::vector<Scatt
         !m_settings.directional && std::ranges::all_of(classes, [](const auto& c) { return c.phase.isotropic(); });
     if (!m_isotropic)
         for (std::size_t k = 0; k < m_full; ++k)
-            m_matrices.push_back(scatteringMatrix(m_settings.ordinates, classes[k].split.spread()));
+            m_matrices.push_back(
+                scatteringMatrix(m_settings.ordinates, m_settings.ordinates, classes[k].split.spread()));
     m_ones.assign(valuesPerRow(), Real(1));
     m_sphere = m_isotropic ? 1 : 4 * std::numbers::pi;
     m_levels.emplace_back().own = &media;
@@ -93,28 +94,24 @@ TransportSolver::TransportSolver(const CellMedia& media, const std::vector<Scatt
 
 TransportSolver::~TransportSolver() = default;
 
-std::int32_t TransportSolver::rowOf(std::size_t cell) const {
-    return m_levels.front().rows[cell];
+const std::vector<std::int32_t>& TransportSolver::rowOfCell() const {
+    return m_levels.front().rows;
 }
-std::size_t TransportSolver::rows() const {
-    return m_levels.front().rowCount;
+const std::vector<std::size_t>& TransportSolver::cellOfRow() const {
+    return m_levels.front().cellOf;
 }
 const std::vector<Real>& TransportSolver::radiance() const {
     return m_levels.front().next;
 }
 
-// Numbers the rows. If one number represents all directions, every cell has a row. Otherwise only cells that scatter
-// have one, and the cells around them, which are used for interpolation.
+// Numbers the rows. If one number represents all directions, every cell has a row. Otherwise only cells that send light
+// have one: rows of the cells around them, between which and them light is interpolated, were 31 % of all rows, and
+// changed pictures by 0.02 to 0.05 %.
 void TransportSolver::numberRows(Level& level) const {
     const CellGrid& grid = level.cells().grid;
     level.rows.assign(grid.cells(), m_isotropic ? 0 : -1);
-    for (std::size_t cell = 0; !m_isotropic && cell < grid.cells(); ++cell) {
-        if (!level.cells().sends(cell)) continue;
-        for (int i = 0; i < 27; ++i) {
-            const Int3 beside = grid.place(cell) + Int3(i % 3, i / 3 % 3, i / 9) - 1;
-            if (const std::ptrdiff_t at = grid.index(beside); at >= 0) level.rows[std::size_t(at)] = 0;
-        }
-    }
+    for (std::size_t cell = 0; !m_isotropic && cell < grid.cells(); ++cell)
+        if (level.cells().sends(cell)) level.rows[cell] = 0;
     for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
         if (level.rows[cell] < 0) continue;
         level.rows[cell] = static_cast<std::int32_t>(level.rowCount++);
@@ -360,8 +357,7 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     m_gain = 1;
     for (Level& level : m_levels) chooseColour(level, colour);
     const Real* from = inflow.empty() ? nullptr : inflow.data();
-    const CellGrid& grid = m_levels.front().cells().grid;
-    if (from && m_border.empty() && grid.hasWalls()) m_border = bordersOpen(grid, m_settings.ordinates);
+    if (from && m_border.empty()) m_border = openBorder(m_levels.front().cells().grid, m_settings.ordinates);
     start(0, from);
     // The sweep whose result is visible also shows what remained to be done, unless much of it is below zero.
     Level& finest = m_levels.front();
@@ -375,12 +371,6 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     }
     m_solved.converged = m_solved.error <= m_settings.tolerance;
     return m_solved;
-}
-
-void TransportSolver::solveUnscattered(const std::vector<Real>& inflow) {
-    clearedSource();
-    std::fill(m_levels.front().x.begin(), m_levels.front().x.end(), Real(0));
-    sweep(m_levels.front(), inflow.data(), true);
 }
 
 std::size_t TransportSolver::bytes() const {

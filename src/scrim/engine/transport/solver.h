@@ -60,9 +60,10 @@ class TransportSolver {
     /// True if rows have one value, because all phase functions are isotropic; else they have one for each ordinate.
     bool isotropic() const { return m_isotropic; }
     std::size_t valuesPerRow() const { return m_isotropic ? 1 : std::size_t(m_settings.ordinates.count()); }
-    /// The row of a cell; -1 if its light is not needed.
-    std::int32_t rowOf(std::size_t cell) const;
-    std::size_t rows() const;
+    /// The row of each cell; -1 if its light is not needed.
+    const std::vector<std::int32_t>& rowOfCell() const;
+    const std::vector<std::size_t>& cellOfRow() const;
+    std::size_t rows() const { return cellOfRow().size(); }
 
     /// The source Q of the next solve, filled with 0: radiance per world unit, rows() x valuesPerRow(). After that
     /// comes one value for each of the grid's sides of walls: the radiance that it sends back of light from lights, as
@@ -74,9 +75,6 @@ class TransportSolver {
     /// directions; never below 0.
     Solved solve(std::size_t colour, const std::vector<Real>& inflow);
     const std::vector<Real>& radiance() const;
-    /// After `solve`, for the same colour: `radiance()` becomes that part of it which comes from outside and has not
-    /// scattered.
-    void solveUnscattered(const std::vector<Real>& inflow);
 
     std::size_t bytes() const;
 
@@ -113,5 +111,8 @@ class TransportSolver {
     double m_gain = 1;                          // of the current solve: the error of x, relative to its residual
     Solved m_solved;
 };
+
+/// Whether light from outside of all cells gets past the walls of `grid`, see CellSweep::border; empty: it has none.
+std::vector<std::uint8_t> openBorder(const CellGrid& grid, const Ordinates& ordinates);
 
 }  // namespace scrim

@@ -6,7 +6,7 @@
 #include "support/slides.h"
 
 #include <scrim/engine/plan/effects.h>
-#include <scrim/engine/model/picture_cells.h>
+#include <scrim/scene/picture_cells.h>
 #include <scrim/engine/plan/make_plan.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/sweep.h>

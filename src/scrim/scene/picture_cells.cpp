@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/model/picture_cells.h>
+#include <scrim/scene/picture_cells.h>
 
 #include <algorithm>
 #include <cmath>
