@@ -32,12 +32,16 @@ def medium(scattering, extinction):
     return most, keys
 
 
-def phase(kind, g):
+def phase(kind, number):
+    """`number` gives the value of a socket by its name."""
     if kind == "RAYLEIGH":
         return {"type": "rayleigh"}
-    if abs(g) < 1e-6:
-        return {"type": "isotropic"}
-    return {"type": "hg", "g": min(max(g, -0.999), 0.999)}
+    if kind == "MIE":  # Cycles has the same fit
+        return {"type": "droplets", "size": min(max(number("Diameter"), 1e-3), 50.0)}
+    g = min(max(number("Anisotropy"), -0.999), 0.999)
+    if kind == "DRAINE":
+        return {"type": "draine", "g": g, "alpha": max(number("Alpha"), 0.0)}
+    return {"type": "isotropic"} if abs(g) < 1e-6 else {"type": "hg", "g": g}
 
 
 def camera_window(width, height, pixel_aspect, sensor_fit, sensor_width, sensor_height):

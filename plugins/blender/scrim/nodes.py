@@ -127,11 +127,11 @@ class _Sum:
         density = self.density(node.inputs["Density"])
         color = _or_noted(node.inputs["Color"], self.medium.notes).color
         kind = getattr(node, "phase", "HENYEY_GREENSTEIN")
-        if kind not in ("HENYEY_GREENSTEIN", "RAYLEIGH"):
+        if kind not in ("HENYEY_GREENSTEIN", "RAYLEIGH", "DRAINE", "MIE"):
             self.medium.notes.append(f"the phase function {kind} of node '{node.name}' (taken for Henyey-Greenstein)")
-        g = _or_noted(node.inputs["Anisotropy"], self.medium.notes).number
         lit = density.times(Value(color))
-        self.parts.append(_Part(lit, lit, formulae.phase(kind, g)))
+        phase = formulae.phase(kind, lambda name: _or_noted(node.inputs[name], self.medium.notes).number)
+        self.parts.append(_Part(lit, lit, phase))
 
     def principled(self, node):
         notes = self.medium.notes
@@ -153,7 +153,7 @@ class _Sum:
         g = _or_noted(node.inputs["Anisotropy"], notes).number
         extinction = WHITE if grid else formulae.principled_extinction(rgb, absorption)
         self.parts.append(
-            _Part(density.times(Value(rgb)), density.times(Value(extinction)), formulae.phase("HENYEY_GREENSTEIN", g))
+            _Part(density.times(Value(rgb)), density.times(Value(extinction)), formulae.phase("HENYEY_GREENSTEIN", lambda _: g))
         )
         self.emit(node.inputs["Emission Strength"], node.inputs["Emission Color"])
         self.glow(node)
@@ -268,7 +268,7 @@ class _Sum:
         phases = [dict(key) for key in weights]
         if len(phases) == 1:
             return phases[0]
-        if len(phases) > 2 or any(p["type"] == "rayleigh" for p in phases):
+        if len(phases) > 2 or any(p["type"] not in ("isotropic", "hg") for p in phases):
             raise NotMapped("a sum of phase functions other than two Henyey-Greensteins")
         share = list(weights.values())
         return {

@@ -175,13 +175,14 @@ HWY_ATTR HWY_INLINE V8 bilinear(V8 a0, V8 a1, V8 b0, V8 b1, V8 fx, V8 fy) {
 // it suffers from cancellation where a lobe is narrow, and a g close to 1 is rounded to 1. That would give 0 / 0 at the
 // lobe's peak, or the square root of a negative number.
 struct Lobe {
-    Real g, strength, least;
+    Real g, strength, least, alpha;
 
-    explicit Lobe(double wanted, Real scale = 1) : g(static_cast<Real>(wanted)) {
+    explicit Lobe(double wanted, Real scale = 1, double draine = 0)
+        : g(static_cast<Real>(wanted)), alpha(static_cast<Real>(draine)) {
         constexpr double kNarrow = 0.999, kLeast = 1e-16;  // its power of 3/2 still fits a float
         const double width = 1 - std::abs(wanted);
         const Real rest = std::abs(wanted) > kNarrow ? static_cast<Real>(width * (2 - width)) : 1 - g * g;
-        strength = rest * scale;
+        strength = rest * scale / static_cast<Real>(1 + draine * (1 + 2 * wanted * wanted) / 3);
         least = static_cast<Real>(std::max(width * width, kLeast));
     }
 };
@@ -191,6 +192,11 @@ HWY_ATTR HWY_INLINE hn::Vec<D> henyeyGreenstein(D d, hn::Vec<D> cosine, const Lo
     const auto x =
         hn::Max(hn::NegMulAdd(hn::Set(d, 2 * lobe.g), cosine, hn::Set(d, 1 + lobe.g * lobe.g)), hn::Set(d, lobe.least));
     return hn::Div(hn::Set(d, lobe.strength), hn::Mul(x, hn::Sqrt(x)));
+}
+template <class D>
+HWY_ATTR HWY_INLINE hn::Vec<D> drainePhase(D d, hn::Vec<D> cosine, const Lobe& lobe) {
+    const auto factor = hn::MulAdd(hn::Mul(hn::Set(d, lobe.alpha), cosine), cosine, hn::Set(d, Real(1)));
+    return hn::Mul(henyeyGreenstein(d, cosine, lobe), factor);
 }
 
 }  // namespace HWY_NAMESPACE

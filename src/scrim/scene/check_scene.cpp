@@ -176,6 +176,7 @@ void checkPhase(const Check& check, const Phase& phase) {
     if (phase.type != PhaseType::rayleigh) check.member(twoLobe ? k.g1 : k.g, phase);
     if (twoLobe) check.member(k.g2, phase);
     check.member(k.blend, phase);
+    check.number(k.alpha, phase.alpha);
     // Files cannot state the strength. Code may, for mixtures of Rayleigh's phase function with an isotropic one.
     if (!(phase.strength >= 0 && phase.strength <= 1))
         check.refuse("strength", fmt::format("{}", phase.strength), "a number from 0 to 1");

@@ -12,7 +12,7 @@ namespace scrim {
 /// Phase functions: the distribution of scattered light over directions, per steradian.
 enum class PhaseType {
     henyeyGreenstein,  ///< one lobe of mean cosine g
-    twoLobe,           ///< two such lobes: g with weight 1 - blend, g2 with weight blend
+    twoLobe,           ///< g with weight 1 - blend, and g2, which may be Draine's, with weight blend
     rayleigh,          ///< 3/(16 pi) (1 + cos^2): particles much smaller than the wavelength
 };
 
@@ -22,13 +22,15 @@ struct Phase {
     double g2 = 0;        ///< two-lobe: mean cosine of the second lobe
     double blend = 0.5;   ///< two-lobe: weight of the second lobe, in [0, 1]
     double strength = 1;  ///< rayleigh: the fraction, in [0, 1], that is not isotropic
+    /// two-lobe: the second lobe times 1 + alpha cos^2, normalised (B. T. Draine, Astrophys. J. 598, 2003); 0 or more.
+    double alpha = 0;
 
     bool operator==(const Phase&) const = default;
 
     bool isotropic() const {
         switch (type) {
             case PhaseType::twoLobe:
-                return (g == 0 || blend == 1) && (g2 == 0 || blend == 0);
+                return (g == 0 || blend == 1) && ((g2 == 0 && alpha == 0) || blend == 0);
             case PhaseType::rayleigh:
                 return strength == 0;
             default:
@@ -36,6 +38,16 @@ struct Phase {
         }
     }
 };
+
+/// Draine's phase function: 0 is Henyey and Greenstein's, 1 Cornette and Shanks', 1 with g = 0 Rayleigh's.
+inline Phase drainePhase(double g, double alpha) {
+    return {0, PhaseType::twoLobe, g, 1, 1, alpha};
+}
+
+/// The phase function of water droplets, `size` micrometres in diameter, above 0 to 50: a fit to Mie's theory with one
+/// lobe of Henyey and Greenstein and one of Draine (J. Jendersie and E. d'Eon, An Approximate Mie Scattering Function
+/// for Fog and Cloud Rendering, SIGGRAPH Talks 2023).
+Phase dropletPhase(double size);
 
 /// Value of the phase function for light that travels along l before and along o after scattering, with cosTheta = l.o
 /// (both unit directions of travel). It integrates to 1 over the sphere.

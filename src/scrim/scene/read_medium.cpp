@@ -28,15 +28,18 @@ namespace {
 Phase readPhase(TomlTable table, double frame) {
     const PhaseKeys& k = keysOf<PhaseKeys>();
     table.require(k.type);
-    const std::string type = k.type.words[table.choice(k.type)];
-    table.describe(fmt::format("{} of type '{}'", table.description(), type));
+    enum { isotropic, hg, twoLobe, rayleigh, draine, droplets };  // as k.type has them
+    const std::size_t type = table.choice(k.type);
+    table.describe(fmt::format("{} of type '{}'", table.description(), k.type.words[type]));
     Phase phase;
-    if (type == k.g.only) table.read(k.g, frame, phase);
-    if (type == k.g1.only) {
+    if (type == hg || type == draine) table.read(k.g, frame, phase);
+    if (type == draine) phase = drainePhase(phase.g, table.numberAt(frame, k.alpha));
+    if (type == twoLobe) {
         phase.type = PhaseType::twoLobe;
         for (const Key* key : {&k.g1, &k.g2, &k.blend}) table.read(*key, frame, phase);
     }
-    if (type == k.type.words.back()) phase.type = PhaseType::rayleigh;
+    if (type == rayleigh) phase.type = PhaseType::rayleigh;
+    if (type == droplets) phase = dropletPhase(table.require(k.size).numberAt(frame));
     table.finish();
     return phase;
 }

@@ -6,6 +6,7 @@
 #include <scrim/base/parallel.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -18,8 +19,8 @@ constexpr double kPi = std::numbers::pi;
 
 // The table over depth / (1 + depth) and the sine of half the angle, both in [0, 1]; linear between entries.
 constexpr int kDepths = 64, kAngles = 256;
-constexpr double kLeastMoment = 1e-4;
-constexpr int kMostMoments = 400;
+constexpr double kLeastTerm = 1e-4;  // relative to an even distribution over all directions
+constexpr int kMostMoments = 5000;   // the lobe of droplets of 50 micrometres has 3,000
 
 // The phase function with its narrowest lobes widened. Narrower ones are like a line here, forwards and backwards, and
 // would only cause divisions by zero.
@@ -63,13 +64,21 @@ std::vector<double> besideLobe(const Phase& phase, std::vector<double> moments, 
 
 std::vector<double> legendreMoments(const Phase& phase, int count) {
     std::vector<double> moments(std::size_t(count), 0.0);
+    // Draine's: cos^2 P_l is a sum of P_{l-2}, P_l and P_{l+2}.
+    const auto draine = [&](double n) {
+        const double beside = (n + 1) * (n + 1) / ((2 * n + 1) * (2 * n + 3)) + n * n / ((2 * n + 1) * (2 * n - 1));
+        const double after = (n + 1) * (n + 2) / ((2 * n + 1) * (2 * n + 3));
+        double sum = after * std::pow(phase.g2, n + 2) + beside * std::pow(phase.g2, n);
+        if (n >= 2) sum += n * (n - 1) / ((2 * n + 1) * (2 * n - 1)) * std::pow(phase.g2, n - 2);
+        return (std::pow(phase.g2, n) + phase.alpha * sum) / (1 + phase.alpha * (1 + 2 * phase.g2 * phase.g2) / 3);
+    };
     for (std::size_t l = 0; l < moments.size(); ++l) {
         const auto n = static_cast<double>(l);
         moments[l] = phase.type == PhaseType::rayleigh ? (l == 0   ? 1
                                                           : l == 2 ? 0.1 * phase.strength
                                                                    : 0)
                      : phase.type == PhaseType::twoLobe
-                         ? (1 - phase.blend) * std::pow(phase.g, n) + phase.blend * std::pow(phase.g2, n)
+                         ? (1 - phase.blend) * std::pow(phase.g, n) + phase.blend * draine(n)
                          : std::pow(phase.g, n);
     }
     return moments;
@@ -82,31 +91,36 @@ SplitPhase::SplitPhase(const Phase& given, int moments) {
     m_spread = m_first = m_whole = legendreMoments(phase, moments);
     if (phase.type == PhaseType::rayleigh) return;
     // Light goes straight on forwards only: what is left of backward lobes is cut off.
-    const Phase forwards{std::max(phase.g, 0.0), phase.type, std::max(phase.g2, 0.0), phase.blend};
+    Phase forwards = phase;
+    forwards.g = std::max(phase.g, 0.0);
+    forwards.g2 = std::max(phase.g2, 0.0);
     m_straight = legendreMoments(forwards, moments + 1).back();
     if (m_straight < kLittle) m_straight = 0;
     if (m_straight == 0) return;
     for (double& moment : m_spread) moment = (moment - m_straight) / (1 - m_straight);
     m_first = moments >= kMany ? besideLobe(phase, m_spread, m_straight) : m_spread;
     const std::vector<double> all = legendreMoments(phase, kMostMoments);
+    // A weight is at most the term's here, since exp(depth narrow) - 1 times exp(-depth) is less than about narrow.
+    std::size_t terms = m_spread.size() + 1;
+    while (terms < all.size() && all[terms] * all[terms] * double(2 * terms + 1) > kLeastTerm * m_straight) ++terms;
+    std::vector<std::array<double, kDepths>> weights(terms);
+    parallelFor(terms, [&](std::size_t l) {
+        const double rest = l < m_first.size() ? (1 - m_straight) * m_first[l] : 0;
+        const double narrow = (all[l] - rest) / m_straight;
+        for (std::size_t i = 0; i < kDepths; ++i) {
+            const double part = double(i) / (kDepths - 1), depth = i + 1 < kDepths ? part / (1 - part) : 1e6;
+            weights[l][i] =
+                double(2 * l + 1) / (4 * kPi) * all[l] * (std::exp(depth * (narrow - 1)) - std::exp(-depth));
+        }
+    });
     m_table.resize(std::size_t(kDepths) * kAngles);
-    parallelFor(kDepths, [&](std::size_t i) {
-        const double part = double(i) / (kDepths - 1);
-        const double depth = i + 1 < kDepths ? part / (1 - part) : 1e6;
-        std::vector<double> weights;
-        for (std::size_t l = 0; l < all.size(); ++l) {
-            const double rest = l < m_first.size() ? (1 - m_straight) * m_first[l] : 0;
-            const double narrow = (all[l] - rest) / m_straight;
-            weights.push_back(double(2 * l + 1) / (4 * kPi) * all[l] *
-                              (std::exp(depth * (narrow - 1)) - std::exp(-depth)));
-            if (l > m_spread.size() && std::abs(all[l]) * double(2 * l + 1) < kLeastMoment) break;
-        }
-        for (int a = 0; a < kAngles; ++a) {
-            const double sine = double(a) / (kAngles - 1);
-            double sum = 0;
-            forLegendre(weights.size(), 1 - 2 * sine * sine, [&](std::size_t l, double p) { sum += weights[l] * p; });
-            m_table[i * kAngles + std::size_t(a)] = static_cast<float>(sum);
-        }
+    parallelFor(kAngles, [&](std::size_t a) {
+        const double sine = double(a) / (kAngles - 1);
+        std::array<double, kDepths> sums{};
+        forLegendre(terms, 1 - 2 * sine * sine, [&](std::size_t l, double p) {
+            for (std::size_t i = 0; i < kDepths; ++i) sums[i] += weights[l][i] * p;
+        });
+        for (std::size_t i = 0; i < kDepths; ++i) m_table[i * kAngles + a] = static_cast<float>(sums[i]);
     });
 }
 

@@ -111,14 +111,24 @@ struct PhaseKeys : SectionOf<Phase> {
     PhaseKeys()
         : SectionOf("phase", "phase = { ... } of [volume.medium]",
                     "The distribution of scattered light over directions.") {}
-    const Key& type = choice("type", {"isotropic", "hg", "two-lobe", "rayleigh"},
-                             "Isotropic; Henyey-Greenstein; two such lobes; Rayleigh, as in air.")
+    const Key& type = choice("type", {"isotropic", "hg", "two-lobe", "rayleigh", "draine", "droplets"},
+                             "Isotropic; Henyey-Greenstein; two such lobes; Rayleigh, as in air; Draine, with a lobe "
+                             "to both sides; droplets of water, as in clouds and fog.")
                           .required();
     const Key& g =
         number("g", Range::between(-1, 1), &Phase::g,
                "The mean cosine; needed. 0 is isotropic, above 0 is forward: smoke has about 0.3, clouds 0.8.")
             .needed()
-            .onlyFor("hg");
+            .onlyFor("hg and draine");
+    const Key& alpha = number("alpha", Range::fromTo(0, 1e6), 1,
+                              "How much of the lobe is to both sides: 0 is Henyey-Greenstein, 1 Cornette-Shanks.")
+                           .onlyFor("draine")
+                           .keyed();
+    const Key& size = number("size", Range::aboveTo(0, 50, "micrometres"), {},
+                             "The diameter of droplets; needed. Fog has about 1 to 10, clouds 5 to 50.")
+                          .needed()
+                          .onlyFor("droplets")
+                          .keyed();
     const Key& g1 = number("g1", Range::between(-1, 1), &Phase::g, "Mean cosine of the first lobe; needed.")
                         .needed()
                         .onlyFor("two-lobe");

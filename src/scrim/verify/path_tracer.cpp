@@ -262,6 +262,9 @@ bool PathTracer::scatter(const Vec3& ws, Vec3& direction, bool first, bool& once
     } else {
         const bool second = phase.type == PhaseType::twoLobe && random.next() < phase.blend;
         cosine = lobeCosine(second ? phase.g2 : phase.g, random.next());
+        // Draine's lobe by rejection, which keeps a third of the draws or more.
+        while (second && random.next() * (1 + phase.alpha) > 1 + phase.alpha * cosine * cosine)
+            cosine = lobeCosine(phase.g2, random.next());
     }
     direction = around(direction, cosine, 2 * std::numbers::pi * random.next());
     return true;

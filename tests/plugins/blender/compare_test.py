@@ -175,6 +175,30 @@ def scatter_and_absorb():
     key()
 
 
+def droplets(phase, **inputs):
+    """Volume Scatter with a phase function that Blender has from 4.3 on."""
+
+    def made():
+        thing = smoke()
+        tree = thing.data.materials[0].node_tree
+        tree.nodes.clear()
+        attribute, scale, scatter, output = (
+            tree.nodes.new(f"ShaderNode{kind}") for kind in ("Attribute", "Math", "VolumeScatter", "OutputMaterial")
+        )
+        attribute.attribute_name = "density"
+        scale.operation, scale.inputs[1].default_value = "MULTIPLY", 4.0
+        scatter.phase = phase
+        scatter.inputs["Color"].default_value = (0.8, 0.8, 0.8, 1)
+        for name, value in inputs.items():
+            scatter.inputs[name].default_value = value
+        tree.links.new(attribute.outputs["Fac"], scale.inputs[0])
+        tree.links.new(scale.outputs[0], scatter.inputs["Density"])
+        tree.links.new(scatter.outputs[0], output.inputs["Volume"])
+        key()
+
+    return made
+
+
 def lens():
     """A tall picture with a shift, pixels that are not square, a sensor fitted to the height."""
     smoke(), key()
@@ -298,6 +322,9 @@ CASES = {
     "emission by a grid": (emission, 16),
     "object space, uneven scale": (object_space, 72),
     "Volume Scatter + Absorption, g = -0.3": (scatter_and_absorb, 72),
+    "Mie, droplets of 12 micrometres": (droplets("MIE", Diameter=12.0), 72),
+    "Mie, droplets of 3 micrometres": (droplets("MIE", Diameter=3.0), 72),
+    "Draine, g = 0.4, alpha = 5": (droplets("DRAINE", Anisotropy=0.4, Alpha=5.0), 72),
     "lens: shift, pixel aspect, fit": (lens, 48),
     "orthographic": (orthographic, 48),
     "motion blur of the camera": (motion_blur, 288),
@@ -313,6 +340,9 @@ CASES = {
 }
 # Cycles before 5.0 draws grids half a voxel too far, and patterns by place where they belong.
 LIMITS = {"nodes: Noise Texture": 0.02}
+if s.bpy.app.version < (4, 3):
+    for name in [name for name in CASES if name.startswith(("Mie", "Draine"))]:
+        del CASES[name]
 if s.bpy.app.version < (4, 5):
     del CASES["area not normalised, exposure; sun of 3500 K"]  # lights had none of these
 if s.bpy.app.version < (4, 0):

@@ -23,9 +23,9 @@ def fed(shader, socket, source, output=0):
     return shader
 
 
-def scatter(phase="HENYEY_GREENSTEIN", color=(0.5, 0.5, 0.5, 1), density=1.0, g=0.0, name=""):
+def scatter(phase="HENYEY_GREENSTEIN", color=(0.5, 0.5, 0.5, 1), density=1.0, g=0.0, name="", **more):
     values = {"phase": phase}
-    return node("ShaderNodeVolumeScatter", name, values=values, Color=color, Density=density, Anisotropy=g)
+    return node("ShaderNodeVolumeScatter", name, values=values, Color=color, Density=density, Anisotropy=g, **more)
 
 
 def math_node(operation, a, b, clamp=False):
@@ -130,9 +130,23 @@ def test_shaders_that_are_added_are_summed():
     assert keys["phase"] == {"type": "rayleigh"} and keys["emission"] == {"grid": "d", "scale": 1}
 
 
+@pytest.mark.parametrize(
+    "shader, phase",
+    [
+        (scatter("MIE", Diameter=12.0), {"type": "droplets", "size": 12}),
+        (scatter("MIE", Diameter=80.0), {"type": "droplets", "size": 50}),
+        (scatter("DRAINE", g=0.3, Alpha=0.5), {"type": "draine", "g": 0.3, "alpha": 0.5}),
+    ],
+)
+def test_phase_functions_of_droplets_are_the_same(shader, phase):
+    medium = nodes.medium_of(tree_of(fed(shader, "Density", attribute("d"))), ["d"])
+    assert medium.phase == phase and not medium.notes
+
+
 def test_other_phase_functions_are_noted():
-    medium = nodes.medium_of(tree_of(fed(scatter("MIE", name="Fog", g=0.3), "Density", attribute("d"))), ["d"])
-    assert medium.notes == ["the phase function MIE of node 'Fog' (taken for Henyey-Greenstein)"]
+    shader = scatter("FOURNIER_FORAND", name="Sea", g=0.3)
+    medium = nodes.medium_of(tree_of(fed(shader, "Density", attribute("d"))), ["d"])
+    assert medium.notes == ["the phase function FOURNIER_FORAND of node 'Sea' (taken for Henyey-Greenstein)"]
     assert medium.phase == {"type": "hg", "g": 0.3}
 
 
@@ -153,6 +167,7 @@ def test_sums_that_scrim_cannot_have_are_named():
     text = "a sum of phase functions other than two Henyey-Greensteins"
     assert both(lit("d", g=0.1), lit("d", g=0.2), lit("d", g=0.3)) == text
     assert both(lit("d", phase="RAYLEIGH"), lit("d", g=0.2)) == text
+    assert both(lit("d", phase="MIE", Diameter=9.0), lit("d", g=0.2)) == text
     assert both(principled(Color_Attribute="d"), principled()) == "a grid of colours beside another shader"
     assert both(principled(Density=0.0)) == "nothing that scatters, absorbs or glows by a grid"
 

@@ -102,7 +102,7 @@ void addClassified(Lines& out, Choices& c) {
 }
 
 void addPhase(Lines& out, Choices& c) {
-    switch (c.below(5)) {
+    switch (c.below(7)) {
         case 0:
             return out.add("phase", fmt::format("{{ type = \"hg\", g = {} }}", c.between(-0.95, 0.95)));
         case 1:
@@ -110,6 +110,11 @@ void addPhase(Lines& out, Choices& c) {
                                                 c.between(-0.95, 0.95), c.between(-0.95, 0.95), c.unit()));
         case 2:
             return out.add("phase", "{ type = \"rayleigh\" }");
+        case 3:
+            return out.add("phase", fmt::format("{{ type = \"draine\", g = {}, alpha = {} }}", c.between(-0.95, 0.95),
+                                                c.between(0, 250)));
+        case 4:
+            return out.add("phase", fmt::format("{{ type = \"droplets\", size = {} }}", c.logBetween(0.01, 50)));
         default:
             return;  // isotropic
     }

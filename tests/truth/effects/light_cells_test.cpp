@@ -190,7 +190,7 @@ TEST(LightOnCells, GivesThePictureOfShadowBuffers) {
     const Phase forward{0.6}, backward{-0.4};
     Phase two{0.7, PhaseType::twoLobe, -0.3, 0.4}, rayleigh{0, PhaseType::rayleigh};
     int number = 0;
-    for (const Phase& phase : {Phase(), forward, backward, two, rayleigh})
+    for (const Phase& phase : {Phase(), forward, backward, two, rayleigh, drainePhase(0.4, 6)})
         for (const bool perspective : {false, true}) {
             ViewScene scene = perspective ? perspectiveSmoke(phase) : smokeScene(phase);
             const int kind = number++ % 3;

@@ -202,7 +202,7 @@ TEST(MultipleScattering, IsTheSameWhereEyeAndLightChangePlaces) {
 }
 
 TEST(MultipleScattering, AgreesWithThePathTracer) {
-    const Phase rayleigh{0, PhaseType::rayleigh}, two{0.7, PhaseType::twoLobe, -0.2, 0.3};
+    const Phase rayleigh{0, PhaseType::rayleigh}, two{0.7, PhaseType::twoLobe, -0.2, 0.3}, draine = drainePhase(0.5, 8);
     struct Case {
         double sigma, albedo;
         Phase phase;
@@ -215,7 +215,8 @@ TEST(MultipleScattering, AgreesWithThePathTracer) {
           Case{0.1, 0.99, {}, {-0.3, -0.2, 1}, 128, 0.02}, Case{1.2, 0.999, {}, {1, -1, 0.2}, 256, 0.03},
           Case{0.3, 0.99, rayleigh, {1, -1, 0}, 128, 0.02}, Case{0.3, 0.99, two, {0.2, 0.2, 1}, 256, 0.04},
           Case{0.3, 0.99, {0.75}, {0.2, 0.2, 1}, 256, 0.05}, Case{0.3, 0.99, {0.75}, {0.2, 0.2, -1}, 256, 0.04},
-          Case{0.1, 0.95, {0.9}, {0.2, 0.2, 1}, 256, 0.05}}) {
+          Case{0.1, 0.95, {0.9}, {0.2, 0.2, 1}, 256, 0.05}, Case{0.3, 0.99, draine, {0.2, 0.2, 1}, 256, 0.04},
+          Case{0.3, 0.99, dropletPhase(2), {1, -1, 0.2}, 256, 0.05}}) {
         ViewScene scene = smoke(c.sigma, c.albedo, c.phase, c.light);
         if (c.sigma > 1) scene.dials.scatterCell = 1;  // a cell of two voxels is 2.4 mean free paths thick
         const BlockError e = blockError(scene, c.paths);

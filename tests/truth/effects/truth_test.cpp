@@ -138,14 +138,22 @@ TEST(Emission, ShowsWhereThereIsNoDensity) {
 
 TEST(Phases, IntegrateToOne) {
     for (const Phase& phase : {Phase{0.3}, Phase{0.7, PhaseType::twoLobe, -0.4, 0.3}, Phase{0, PhaseType::rayleigh},
-                               flattened({0, PhaseType::rayleigh}, 0.5)}) {
+                               flattened({0, PhaseType::rayleigh}, 0.5), drainePhase(0.7, 30), drainePhase(-0.2, 1),
+                               dropletPhase(0.05), dropletPhase(1), dropletPhase(3), dropletPhase(5)}) {
         double sum = 0;
-        constexpr int kSteps = 20000;
-        for (int i = 0; i < kSteps; ++i) sum += 2 * kPi * phaseValue(phase, -1 + 2 * (i + 0.5) / kSteps) * 2 / kSteps;
+        constexpr int kSteps = 200000;
+        for (int i = 0; i < kSteps; ++i) {
+            const double angle = kPi * (i + 0.5) / kSteps;
+            sum += 2 * kPi * std::sin(angle) * phaseValue(phase, std::cos(angle)) * kPi / kSteps;
+        }
         EXPECT_NEAR(sum, 1, 1e-6);
     }
     EXPECT_NEAR(phaseValue({0, PhaseType::rayleigh}, 1), 3 / (8 * kPi), 1e-12);
     EXPECT_NEAR(phaseValue({0, PhaseType::rayleigh}, 0), 3 / (16 * kPi), 1e-12);
+    for (const double cosine : {-1.0, -0.3, 0.4, 1.0}) {
+        EXPECT_NEAR(phaseValue(drainePhase(0, 1), cosine), phaseValue({0, PhaseType::rayleigh}, cosine), 1e-12);
+        EXPECT_NEAR(phaseValue(drainePhase(0.6, 0), cosine), phaseValue({0.6}, cosine), 1e-12);
+    }
 }
 
 // An octave of weight 0 is nothing, and one that nothing is taken from is single scattering without shadow.

@@ -70,12 +70,16 @@ TEST(ScenePhase, ReadsEveryType) {
     EXPECT_EQ(phase("{ type = \"two-lobe\", g1 = 0.8, g2 = -0.3 }").blend, 0.5);
     EXPECT_EQ(phase("{ type = \"rayleigh\" }").type, PhaseType::rayleigh);
     EXPECT_EQ(phase("{ type = \"rayleigh\" }").strength, 1);
+    EXPECT_EQ(phase("{ type = \"draine\", g = 0.6, alpha = 3 }"), drainePhase(0.6, 3));
+    EXPECT_EQ(phase("{ type = \"draine\", g = 0.6 }"), drainePhase(0.6, 1));
+    EXPECT_EQ(phase("{ type = \"droplets\", size = 20 }"), dropletPhase(20));
 }
 
 TEST(ScenePhase, IsChecked) {
     const auto phaseError = [](const std::string& text) { return errorIn("phase = " + text); };
     EXPECT_EQ(phaseError("{ type = \"mie\" }"),
-              "scene.toml:7:18: 'type' is the string \"mie\"; expected 'isotropic', 'hg', 'two-lobe' or 'rayleigh'");
+              "scene.toml:7:18: 'type' is the string \"mie\"; expected 'isotropic', 'hg', 'two-lobe', 'rayleigh', "
+              "'draine' or 'droplets'");
     EXPECT_EQ(phaseError("{ type = \"two-lobe\", g1 = 0.5 }"),
               "scene.toml:7:9: 'phase' of [volume.medium] of [[volume]] 'volume1' of type 'two-lobe' lacks 'g2'; "
               "expected a number greater than -1 and less than 1");
@@ -85,6 +89,13 @@ TEST(ScenePhase, IsChecked) {
               "scene.toml:7:43: 'g2' is -1; expected a number greater than -1 and less than 1");
     EXPECT_EQ(phaseError("{ type = \"two-lobe\", g1 = 0, g2 = 0, blend = 1.5 }"),
               "scene.toml:7:54: 'blend' is 1.5; expected a number from 0 to 1");
+    EXPECT_EQ(phaseError("{ type = \"draine\", g = 0.5, alpha = -1 }"),
+              "scene.toml:7:45: 'alpha' is -1; expected a number from 0 to 1000000");
+    EXPECT_EQ(phaseError("{ type = \"droplets\", size = 60 }"),
+              "scene.toml:7:37: 'size' is 60; expected a number greater than 0 and of at most 50 micrometres");
+    EXPECT_EQ(phaseError("{ type = \"droplets\" }"),
+              "scene.toml:7:9: 'phase' of [volume.medium] of [[volume]] 'volume1' of type 'droplets' lacks 'size'; "
+              "expected a number greater than 0 and of at most 50 micrometres");
     EXPECT_EQ(phaseError("{ type = \"rayleigh\", g = 0.5 }"),
               "scene.toml:7:30: 'g' is not known here ('phase' of [volume.medium] of [[volume]] 'volume1' of type "
               "'rayleigh'); allowed: 'type'");

@@ -211,7 +211,7 @@ Effect ofMedia(const ViewScene& scene, const std::string& key, const Say& say, c
 
 std::string phaseName(const Phase& phase) {
     if (phase.isotropic()) return "";
-    if (phase.type == PhaseType::twoLobe) return "two lobes";
+    if (phase.type == PhaseType::twoLobe) return phase.alpha > 0 ? "Draine" : "two lobes";
     return phase.type == PhaseType::rayleigh ? "Rayleigh" : fmt::format("g = {}", phase.g);
 }
 

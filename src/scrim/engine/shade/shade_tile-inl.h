@@ -202,7 +202,7 @@ HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add
         forSamples([&](int k) HWY_ATTR { add(k, constant(kInverseFourPi)); });
         return;
     }
-    const Lobe lobe(phase.g, kInverseFourPi), other(phase.g2, kInverseFourPi);
+    const Lobe lobe(phase.g, kInverseFourPi), other(phase.g2, kInverseFourPi, phase.alpha);
     const auto blend = constant(static_cast<Real>(phase.blend));
     const auto directed = constant(Real(0.75) * kInverseFourPi * static_cast<Real>(phase.strength));
     const auto even = constant(kInverseFourPi * static_cast<Real>(1 - 0.25 * phase.strength));
@@ -213,7 +213,7 @@ HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add
             return forSamples([&](int k) HWY_ATTR {
                 const auto cosine = scatteringCosine(lit, k);
                 const auto first = henyeyGreenstein(DF(), cosine, lobe);
-                add(k, hn::MulAdd(blend, hn::Sub(henyeyGreenstein(DF(), cosine, other), first), first));
+                add(k, hn::MulAdd(blend, hn::Sub(drainePhase(DF(), cosine, other), first), first));
             });
         case PhaseType::rayleigh:
             return forSamples([&](int k) HWY_ATTR {

@@ -76,7 +76,7 @@ HWY_ATTR HWY_INLINE V8 transmittance(V8 tau) {
 class TowardsEye {
   public:
     HWY_ATTR TowardsEye(const CellView& view)
-        : m_view(view), m_lobe(view.phase.g, kSphere), m_other(view.phase.g2, kSphere) {}
+        : m_view(view), m_lobe(view.phase.g, kSphere), m_other(view.phase.g2, kSphere, view.phase.alpha) {}
 
     /// True if the phase function is the same for parallel rays at all cells: its value is then `constantAt`.
     bool constantFor(bool parallel) const { return m_view.phase.isotropic() || (parallel && m_view.parallelEye); }
@@ -100,8 +100,7 @@ class TowardsEye {
         }
         V8 value = henyeyGreenstein(D8(), cosine, m_lobe);
         if (m_view.phase.type == PhaseType::twoLobe)
-            value =
-                hn::MulAdd(value8(m_view.phase.blend), hn::Sub(henyeyGreenstein(D8(), cosine, m_other), value), value);
+            value = hn::MulAdd(value8(m_view.phase.blend), hn::Sub(drainePhase(D8(), cosine, m_other), value), value);
         return value;
     }
 
