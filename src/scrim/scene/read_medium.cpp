@@ -39,7 +39,7 @@ Phase readPhase(TomlTable table, double frame) {
         for (const Key* key : {&k.g1, &k.g2, &k.blend}) table.read(*key, frame, phase);
     }
     if (type == rayleigh) phase.type = PhaseType::rayleigh;
-    if (type == droplets) phase = dropletPhase(table.require(k.size).numberAt(frame));
+    if (type == droplets) phase = dropletPhase(table.require(k.dropletSize).numberAt(frame));
     table.finish();
     return phase;
 }

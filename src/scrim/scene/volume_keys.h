@@ -124,11 +124,11 @@ struct PhaseKeys : SectionOf<Phase> {
                               "How much of the lobe is to both sides: 0 is Henyey-Greenstein, 1 Cornette-Shanks.")
                            .onlyFor("draine")
                            .keyed();
-    const Key& size = number("size", Range::aboveTo(0, 50, "micrometres"), {},
-                             "The diameter of droplets; needed. Fog has about 1 to 10, clouds 5 to 50.")
-                          .needed()
-                          .onlyFor("droplets")
-                          .keyed();
+    const Key& dropletSize = number("size", Range::aboveTo(0, 50, "micrometres"), {},
+                                    "The diameter of droplets; needed. Fog has about 1 to 10, clouds 5 to 50.")
+                                 .needed()
+                                 .onlyFor("droplets")
+                                 .keyed();
     const Key& g1 = number("g1", Range::between(-1, 1), &Phase::g, "Mean cosine of the first lobe; needed.")
                         .needed()
                         .onlyFor("two-lobe");

@@ -26,7 +26,6 @@ constexpr double kFewestAlong = 24, kMostAlong = 50;  // cells of the finer solv
 constexpr int kRays = 64, kTries = 8;                 // rays that see something, and rays for each of them at most
 constexpr int kSteps = 64;                            // along a ray through the volumes
 constexpr int kLights = 3;                            // points that represent an extended light
-constexpr double kOrder = 1.6;                        // by which the error of cells grows with their edge
 constexpr double kOpaque = 1e-4;                      // transmittance at which a ray ends
 constexpr double kCoarsest = 6;                       // cells that are chosen, voxels
 
@@ -170,11 +169,15 @@ Compared compare(const ViewScene& scene, const std::vector<CellLight>& fine, con
 
 }  // namespace
 
+// The power of their edge by which the error of cells grows.
+double ScatterPilot::order() const {
+    return surfaces ? 1.3 : 1.6;
+}
+
 double ScatterPilot::ofCells(double cell) const {
     // In smoke by lot (tests/tools/bench/promises_scenes.py) and in a ball of smoke of 64 voxels, cells of 1.5 to 4
-    // voxels left 0.2 to 0.48 of this.
-    constexpr double kLeft = 0.45;
-    return kLeft * difference * std::pow(cell / edge, kOrder);
+    // voxels left 0.2 to 0.48 of this; in a brain, cells of 1.1 and 2.3 voxels 1.4 and 1.6.
+    return (surfaces ? 1.6 : 0.45) * difference * std::pow(cell / edge, order());
 }
 
 double ScatterPilot::ofDirections(std::size_t i) const {
@@ -192,6 +195,7 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
     if (given.dials.scatterCell && given.dials.scatterDirections) return std::nullopt;
     if (std::none_of(given.volumes.begin(), given.volumes.end(), scattersFully)) return std::nullopt;
     ScatterPilot pilot;
+    pilot.surfaces = scattersInSurfaces(given);
     for (const ViewVolume& volume : given.volumes) {
         if (!scattersFully(volume)) continue;
         for (std::size_t i = 0; i < pilot.straight.size(); ++i)
@@ -234,7 +238,7 @@ ScatterChoice chooseScattering(const ScatterPilot& pilot, const Dials& dials, do
         const double left = std::max({std::sqrt(std::max(error * error - ofDirections * ofDirections, 0.0)),
                                       kLeast * error, kBeside * ofDirections});
         double cell = kCoarsest;
-        if (pilot.difference > 0) cell = pilot.edge * std::pow(left / pilot.ofCells(pilot.edge), 1 / kOrder);
+        if (pilot.difference > 0) cell = pilot.edge * std::pow(left / pilot.ofCells(pilot.edge), 1 / pilot.order());
         cell = std::floor(100 * std::min({cell, kCoarsest, 2 * pilot.edge})) / 100;
         return dials.scatterCell.value_or(std::max(cell, kFinestScatterCell));
     };

@@ -22,12 +22,15 @@ struct ScatterPilot {
     double difference = 0;  ///< RMS over the rays of the difference between the solves with these cells and with larger
     double rayEffects = 0;  ///< the same for the solves with 64 and with 128 directions
     double share = 0;       ///< the part of all light that has scattered more than once
+    bool surfaces = false;  ///< some of it in classified volumes
     /// For each of kOrdinateCounts the part of the scattered light that goes straight on, of the narrowest phase
     /// function (SplitPhase).
     std::array<double, 3> straight{};
 
-    /// The error that cells of `cell` voxels are expected to leave; nine of ten scenes have less.
+    /// The error that cells of `cell` voxels are expected to leave; nine of ten scenes have less. It grows with their
+    /// edge to the power of `order`.
     double ofCells(double cell) const;
+    double order() const;
     /// Likewise for the i-th of kOrdinateCounts.
     double ofDirections(std::size_t i) const;
 };

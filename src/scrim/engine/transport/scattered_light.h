@@ -19,6 +19,10 @@
 
 namespace scrim {
 
+/// True if some classified volume scatters light more than once: light enters its surfaces within a cell, so that the
+/// error of cells is of first order.
+bool scattersInSurfaces(const ViewScene& scene);
+
 /// The number of solves for all of the plan's targets.
 std::size_t solvesOf(const ViewScene& scene, const TransportPlan& plan);
 
