@@ -22,7 +22,7 @@ struct ScatterPilot {
     double difference = 0;  ///< RMS over the rays of the difference between the solves with these cells and with larger
     double rayEffects = 0;  ///< the same for the solves with 64 and with 128 directions
     double share = 0;       ///< the part of all light that has scattered more than once
-    bool surfaces = false;  ///< some of it in classified volumes
+    bool surfaces = false;  ///< scattersInSurfaces
     /// For each of kOrdinateCounts the part of the scattered light that goes straight on, of the narrowest phase
     /// function (SplitPhase).
     std::array<double, 3> straight{};

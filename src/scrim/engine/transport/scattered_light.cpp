@@ -286,10 +286,10 @@ std::vector<CellLight> ScatteredLight::lights() const {
 // The error of cells falls with their edge: to a half if light and density vary together within a cell, to a quarter if
 // fields are smooth. Measured against path tracers on fractal and on smooth smoke: subtracting a half of the additional
 // error of cells twice as large leaves less than half of the error in both cases (L. F. Richardson, 1911). The rate
-// cannot be measured with even larger cells, which do not resolve the fields and always suggest first order. Light
-// enters the surfaces of scans within a cell, so that they are of first order: in a brain with cells of 1.2 voxels, 2.7
-// % were left with a half, and 1.3 % with all. Walls that send light back stand elsewhere on larger cells, which says
-// nothing about the cells' error: in a room 20 cells wide it grew from 3.4 to 4.5 %, in one of 40 cells from 0.1 to 2
+// cannot be measured with even larger cells, which do not resolve the fields and always suggest first order. Surfaces
+// are of first order: in a brain with cells of 1.2 voxels, 2.7 % were left with a half, and 1.3 % with all. Walls that
+// send light back stand elsewhere on larger cells, which says nothing about the cells' error: in a room 20 cells wide
+// it grew from 3.4 to 4.5 %, in one of 40 cells from 0.1 to 2
 // %. There is no extrapolation then.
 void ScatteredLight::extrapolate(const ViewScene& scene, const TransportPlan& plan, Simd simd,
                                  const std::function<void()>& checkpoint) {
@@ -334,7 +334,12 @@ void ScatteredLight::separate() {
 }  // namespace
 
 bool scattersInSurfaces(const ViewScene& scene) {
-    return std::ranges::any_of(scene.volumes, [](const ViewVolume& v) { return v.classified && scattersFully(v); });
+    constexpr double kDense = 1;
+    return std::ranges::any_of(scene.volumes, [&](const ViewVolume& v) {
+        return v.classified && scattersFully(v) && std::ranges::any_of(v.classified->transfer, [&](const auto& point) {
+                   return point.extinction * v.classified->densityScale * voxelUnit(scene) > kDense;
+               });
+    });
 }
 
 std::size_t solvesOf(const ViewScene& scene, const TransportPlan& plan) {

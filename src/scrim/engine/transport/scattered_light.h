@@ -19,8 +19,8 @@
 
 namespace scrim {
 
-/// True if some classified volume scatters light more than once: light enters its surfaces within a cell, so that the
-/// error of cells is of first order.
+/// True if some classified volume that scatters light more than once has surfaces, in which a voxel has an optical
+/// depth of more than one: light enters them within a cell, so that the error of cells is of first order.
 bool scattersInSurfaces(const ViewScene& scene);
 
 /// The number of solves for all of the plan's targets.
