@@ -130,8 +130,10 @@ class _Sum:
         if kind not in ("HENYEY_GREENSTEIN", "RAYLEIGH", "DRAINE", "MIE"):
             self.medium.notes.append(f"the phase function {kind} of node '{node.name}' (taken for Henyey-Greenstein)")
         lit = density.times(Value(color))
-        phase = formulae.phase(kind, lambda name: _or_noted(node.inputs[name], self.medium.notes).number)
-        self.parts.append(_Part(lit, lit, phase))
+        self.parts.append(_Part(lit, lit, self.phase(node, kind)))
+
+    def phase(self, node, kind):
+        return formulae.phase(kind, lambda name: _or_noted(node.inputs[name], self.medium.notes).number)
 
     def principled(self, node):
         notes = self.medium.notes
@@ -150,11 +152,9 @@ class _Sum:
         rgb = [max(c, 0.0) for c in color.color]
         if grid:
             self.colored_by(grid, rgb, absorption)
-        g = _or_noted(node.inputs["Anisotropy"], notes).number
+        phase = self.phase(node, "HENYEY_GREENSTEIN")
         extinction = WHITE if grid else formulae.principled_extinction(rgb, absorption)
-        self.parts.append(
-            _Part(density.times(Value(rgb)), density.times(Value(extinction)), formulae.phase("HENYEY_GREENSTEIN", lambda _: g))
-        )
+        self.parts.append(_Part(density.times(Value(rgb)), density.times(Value(extinction)), phase))
         self.emit(node.inputs["Emission Strength"], node.inputs["Emission Color"])
         self.glow(node)
 

@@ -6,7 +6,6 @@
 #include <scrim/engine/transport/light_sources.h>
 
 #include <algorithm>
-#include <utility>
 
 namespace scrim {
 namespace {
@@ -41,7 +40,7 @@ LastSweep::LastSweep(const ViewScene& scene, const CellMedia& media, const std::
       m_ordinates(scrim::ordinates(count)),
       m_ofSolve(scrim::ordinates(solvedOrdinates(count))),
       m_parts(divided(m_ordinates, count / m_ofSolve.count())),
-      m_classes(scatterClasses(scene, count)) {
+      m_classes(m_parts.size() == 1 ? classes : scatterClasses(scene, count)) {
     m_borders.resize(m_parts.size());
     if (!std::ranges::equal(classes, m_classes, {}, &ScatterClass::straight, &ScatterClass::straight))
         m_split = splitAgain(media, classes, m_classes);
@@ -122,6 +121,7 @@ void LastSweep::keep(const Ordinates& along, const std::vector<Real>& rows, std:
         std::vector<Real> row(values);
         for (std::size_t at = begin; at < end; ++at) {
             const Real* radiance = &rows[at * values];
+            const Vec3 travel = m_eye ? travelToEye(*m_eye, m_solved.grid.wsCenter(m_solver.cellOfRow()[at])) : Vec3(0);
             for (std::size_t i = 0; i < kept.size(); ++i) {
                 if (m_solver.isotropic() || !m_eye) {
                     kept[i][at] +=
@@ -129,7 +129,6 @@ void LastSweep::keep(const Ordinates& along, const std::vector<Real>& rows, std:
                     continue;
                 }
                 const SplitPhase& phase = m_classes[i].split;
-                const Vec3 travel = travelToEye(*m_eye, m_solved.grid.wsCenter(m_solver.cellOfRow()[at]));
                 scatteringRow(along, phase.spread(), travel, row.data(), m_simd, 1 - phase.straight());
                 kept[i][at] += gathered(along, row.data(), radiance, m_simd);
                 if (lobes[i].empty()) continue;
@@ -149,8 +148,9 @@ std::vector<std::vector<Real>> LastSweep::pass(
     for (std::size_t k = 0; k < m_classes.size(); ++k)
         if (m_eye && m_classes[k].split.straight() > 0) lobes[k].assign(2 * m_solver.rows(), 0);
     // Without further ordinates the solve's own last sweep is this one.
-    if (solved && m_parts.size() == 1) keep(m_ordinates, m_solver.radiance(), kept, lobes);
-    for (std::size_t part = 0; part < m_parts.size() && !(solved && m_parts.size() == 1); ++part) {
+    const bool swept = solved && m_parts.size() == 1;
+    if (swept) keep(m_ordinates, m_solver.radiance(), kept, lobes);
+    for (std::size_t part = 0; !swept && part < m_parts.size(); ++part) {
         std::vector<Real>& rows = m_solver.clearedSource();
         if (addSource) addSource(m_parts[part], rows);
         if (solved) addScattered(false, colour, m_solver.radiance(), m_parts[part], rows);
