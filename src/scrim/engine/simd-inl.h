@@ -10,6 +10,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/geometry/sheets.h>
+#include <scrim/scene/phase_over_caps.h>
 
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
@@ -59,6 +60,11 @@ HWY_ATTR HWY_INLINE Split split(VF x, int first, int size, bool nearest = false)
 }
 
 HWY_ATTR HWY_INLINE VF lerp(VF a, VF b, VF t) {
+    return hn::MulAdd(t, hn::Sub(b, a), a);
+}
+
+template <class D>
+HWY_ATTR HWY_INLINE hn::Vec<D> lerpOf(D, hn::Vec<D> a, hn::Vec<D> b, hn::Vec<D> t) {
     return hn::MulAdd(t, hn::Sub(b, a), a);
 }
 
@@ -197,6 +203,37 @@ template <class D>
 HWY_ATTR HWY_INLINE hn::Vec<D> drainePhase(D d, hn::Vec<D> cosine, const Lobe& lobe) {
     const auto factor = hn::MulAdd(hn::Mul(hn::Set(d, lobe.alpha), cosine), cosine, hn::Set(d, Real(1)));
     return hn::Mul(henyeyGreenstein(d, cosine, lobe), factor);
+}
+
+// Where in a PhaseRow a cosine is looked up.
+template <class D>
+HWY_ATTR HWY_INLINE hn::Vec<D> entryOf(D d, hn::Vec<D> cosine) {
+    const auto sine2 = hn::Mul(hn::Sub(hn::Set(d, Real(1)), cosine), hn::Set(d, Real(0.5)));
+    const auto root = hn::Sqrt(hn::Sqrt(hn::Min(hn::Max(sine2, hn::Zero(d)), hn::Set(d, Real(1)))));
+    return hn::Mul(root, hn::Set(d, Real(kPhaseAngles - 1)));
+}
+template <class D>
+HWY_ATTR HWY_INLINE hn::Vec<D> rowAt(D d, const Real* row, hn::Vec<D> entry) {
+    const hn::RebindToSigned<D> di;
+    const auto whole = hn::Floor(entry);
+    const auto i = hn::ConvertTo(di, whole);
+    return lerpOf(d, hn::GatherIndex(d, row, i), hn::GatherIndex(d, row, hn::Add(i, hn::Set(di, 1))),
+                  hn::Sub(entry, whole));
+}
+// The mean over caps of these half angles; wider ones count as the widest.
+template <class D>
+HWY_ATTR HWY_INLINE hn::Vec<D> capsAt(D d, const PhaseOverCaps& caps, hn::Vec<D> halfAngle, hn::Vec<D> cosine) {
+    const hn::RebindToSigned<D> di;
+    const auto part = hn::Min(hn::Mul(halfAngle, hn::Set(d, static_cast<Real>(1 / caps.most()))), hn::Set(d, Real(1)));
+    const auto cap = hn::Mul(hn::Sqrt(part), hn::Set(d, Real(PhaseOverCaps::kCaps - 1)));
+    const auto whole = hn::Min(hn::Floor(cap), hn::Set(d, Real(PhaseOverCaps::kCaps - 2)));
+    const auto entry = entryOf(d, cosine), left = hn::Floor(entry), right = hn::Sub(entry, left);
+    const auto first = hn::Add(hn::Mul(hn::ConvertTo(di, whole), hn::Set(di, kPhaseAngles + 1)), hn::ConvertTo(di, left));
+    const Real* values = caps.values();
+    const auto at = [&](int more) HWY_ATTR { return hn::GatherIndex(d, values, hn::Add(first, hn::Set(di, more))); };
+    const auto near = lerpOf(d, at(0), at(1), right);
+    const auto far = lerpOf(d, at(kPhaseAngles + 1), at(kPhaseAngles + 2), right);
+    return lerpOf(d, near, far, hn::Sub(cap, whole));
 }
 
 }  // namespace HWY_NAMESPACE

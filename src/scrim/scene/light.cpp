@@ -66,13 +66,28 @@ Vec3 pictureOfRectangle(const Light& light, double u, double v) {
     return light.wsPosition + (u - 0.5) * area.width * frame[0] + (0.5 - v) * area.height * frame[1];
 }
 
+namespace {
+
+// The shortest turn from +y to wsUp carries +x and +z along.
+Mat3 uprightDome(const Light& light) {
+    return glm::mat3_cast(glm::rotation(Vec3(0, 1, 0), glm::normalize(light.wsUp)));
+}
+
+}  // namespace
+
 Vec3 domeDirection(const Light& light, double u, double v) {
     const double longitude = std::numbers::pi * (1 - 2 * u) + glm::radians(light.dome()->rotation);
     const double latitude = std::numbers::pi * (0.5 - v);
     const Vec3 upright(std::cos(latitude) * std::sin(longitude), std::sin(latitude),
                        std::cos(latitude) * std::cos(longitude));
-    // The shortest turn from +y to wsUp carries +x and +z along.
-    return glm::mat3_cast(glm::rotation(Vec3(0, 1, 0), glm::normalize(light.wsUp))) * upright;
+    return uprightDome(light) * upright;
+}
+
+Vec2 pictureOfDome(const Light& light, const Vec3& direction) {
+    const Vec3 upright = glm::transpose(uprightDome(light)) * direction;
+    const double longitude = std::atan2(upright.x, upright.z) - glm::radians(light.dome()->rotation);
+    const double u = 0.5 - longitude / (2 * std::numbers::pi);
+    return {u - std::floor(u), 0.5 - std::asin(std::clamp(upright.y, -1.0, 1.0)) / std::numbers::pi};
 }
 
 }  // namespace scrim

@@ -169,5 +169,7 @@ Vec3 pictureOfRectangle(const Light& light, double u, double v);
 /// v from its top. The mapping is UsdLux' lat-long: with up = [0, 1, 0] and no rotation the middle of the picture is
 /// +z, a quarter to the right of it is -x, and the top is +y. `rotation` turns the sky about up, from +z towards +x.
 Vec3 domeDirection(const Light& light, double u, double v);
+/// The place (u, v) in a dome's picture, both in [0, 1], that shows this direction (unit, towards the sky).
+Vec2 pictureOfDome(const Light& light, const Vec3& direction);
 
 }  // namespace scrim

@@ -16,8 +16,13 @@ ViewScene pilotView(ViewScene view, int edge) {
     view.dials.antialias = 1;
     view.layers.clear();
     view.deep.reset();
-    for (ViewVolume& volume : view.volumes)
+    for (ViewVolume& volume : view.volumes) {
         if (volume.medium.scattering == Scattering::full) volume.medium.scattering = Scattering::single;
+        if (!volume.classified || !volume.classified->scatters) continue;
+        Classified look = *volume.classified;
+        look.scatters = false;
+        volume.classified = std::make_shared<const Classified>(std::move(look));
+    }
     return view;
 }
 

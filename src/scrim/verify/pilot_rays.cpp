@@ -100,21 +100,23 @@ class PilotScene {
     }
 
     // Radiance of a ray through the field and through texels of it, and alpha; all 0 where the ray meets nothing.
+    // `thickness`: the sum over the ray of the optical depths of voxels, weighted by the radiance that comes from there.
     struct Seen {
-        double exact = 0, texels = 0, alpha = 0;
+        double exact = 0, texels = 0, alpha = 0, thickness = 0;
     };
     Seen look(const Vec3& origin, const Vec3& direction, double jitter) const {
         Seen seen;
         const auto [first, last] = m_bounds.clip(origin, direction, 0, kFar);
         if (!(first < last)) return seen;
         const double step = std::max(kStep * m_voxel, (last - first) / kMostSteps);
-        double through[2] = {1, 1}, radiance[2] = {0, 0};
+        double through[2] = {1, 1}, radiance[2] = {0, 0}, thickness = 0;
         for (double t = first + jitter * step; t < last; t += step) {
             const Vec3 at = origin + t * direction;
             const Stuff exact = stuffAt(at);
             const Stuff stuff[2] = {exact, evenSteps(at, direction, step) > 0 ? exact : texelsAt(at)};
             if (stuff[0].extinction + stuff[1].extinction + stuff[0].glow + stuff[1].glow <= 0) continue;
             double light[2] = {m_ambient, m_ambient};
+            const double before = radiance[0];
             if (through[0] * stuff[0].extinction * step > kLeastShare)
                 for (const PilotLight& l : m_lights) addLight(l, at, jitter, light);
             for (int i = 0; i < 2; ++i) {
@@ -124,9 +126,10 @@ class PilotScene {
                 radiance[i] += through[i] * ((1 - left) * light[i] + sent * stuff[i].glow * step);
                 through[i] *= left;
             }
+            thickness += (radiance[0] - before) * exact.extinction * m_voxel;
             if (std::max(through[0], through[1]) < std::exp(-kMostDepth)) break;
         }
-        return {radiance[0], radiance[1], 1 - through[0]};
+        return {radiance[0], radiance[1], 1 - through[0], thickness};
     }
 
   private:
@@ -238,6 +241,25 @@ class PilotScene {
 Vec3 pilotPlace(int i) {
     const Vec3 at = 0.5 + Vec3(0.7548776662466927, 0.5698402909980532, 0.618034) * double(i);
     return at - glm::floor(at);
+}
+
+double visibleThickness(const ViewScene& given, int rays) {
+    const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostLights));
+    const RayFamily family = wsRays(scene.camera);
+    const Int2 size = scene.camera.resolution;
+    const PilotScene pilots(scene);
+    std::vector<PilotScene::Seen> seen(static_cast<std::size_t>(rays));
+    parallelFor(seen.size(), [&](std::size_t i) {
+        const Vec3 place = pilotPlace(static_cast<int>(i));
+        const double x = place.x * size.x, y = place.y * size.y;
+        seen[i] = pilots.look(family.origin(x, y), glm::normalize(family.direction(x, y)), place.z);
+    });
+    double thickness = 0, light = 0;
+    for (const PilotScene::Seen& ray : seen) {
+        thickness += ray.thickness;
+        light += ray.exact;
+    }
+    return light > 0 ? thickness / light : 0;
 }
 
 double pilotError(const ViewScene& given, int rays) {

@@ -15,4 +15,8 @@ Vec3 pilotPlace(int i);
 /// these disagree. It serves to compare scenes. 0 where nothing is visible.
 double pilotError(const ViewScene& scene, int rays);
 
+/// The mean optical depth of a voxel where light comes from that the camera sees, by `rays` rays; 0 where nothing is
+/// visible.
+double visibleThickness(const ViewScene& scene, int rays);
+
 }  // namespace scrim

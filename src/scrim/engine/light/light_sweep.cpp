@@ -40,6 +40,7 @@ LightSweep::~LightSweep() = default;
 LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
     : m_scene(scene),
       m_group(group),
+      m_subLights(plan.subLights),
       m_channels(plan.extinction.count()),
       m_passSolids(solidsBlock(scene)),
       m_simd(plan.simd) {
@@ -130,12 +131,14 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     const Light& light = m_scene.lights[plan.light];
     const Sheets& sheets = m_group.sheets;
     SheetLight out;
-    out.shadowed = plan.shadowed;
+    out.shadowed = !m_casters[i].channels.empty();
     out.output = m_group.outputs.ofLights[i];
     out.index = plan.light;
     out.withinSheet = !plan.view.distant || pathInSheets(plan.view) < kSteepestPath;
     for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<Real>(part * plan.share * light.intensity[c]);
     out.distant = plan.view.distant;
+    const double stands = m_subLights.partOf(plan.light);
+    out.part = static_cast<Real>(out.distant ? capOf(stands) : stands);
     if (light.slide)
         out.slide = {light.slide->image.get(), light.slide->outside, sheetMap(slideMap(light), sheets, sheet + 0.5),
                      m_simd};

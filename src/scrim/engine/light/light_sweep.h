@@ -56,6 +56,7 @@ class LightSweep {
 
     const ViewScene& m_scene;
     const GroupPlan& m_group;
+    const SubLights& m_subLights;
     int m_channels;
     bool m_passSolids;
     Simd m_simd;

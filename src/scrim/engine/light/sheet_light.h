@@ -55,6 +55,9 @@ struct SheetLight {
     // window's value there over the sum of all windows. Null: no windows.
     const std::vector<Vec3>* windows = nullptr;  ///< axes in sweep space
     int window = 0;
+    /// What a sub-light stands for: if it is distant the half angle of a cap, else the area of a surface, world units
+    /// squared; 0: it is a light of its own.
+    Real part = 0;
     Real windowCos = 0;  ///< a window falls to 0 at this cosine to its axis
     Real intensity[3] = {1, 1, 1};
     int output = 0;                      ///< output that receives its light: a part of the beauty, or the beauty

@@ -12,10 +12,12 @@
 #include <scrim/geometry/lattice.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/image/image.h>
+#include <scrim/scene/phase_over_caps.h>
 #include <scrim/scene/view_scene.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -258,6 +260,8 @@ struct Plan {
     ExtinctionChannels extinction;
     /// The lights of the scene that light from cells belongs to.
     std::vector<int> lightsOnCells() const;
+    /// For each volume the means of its phase function over what sub-lights stand for; null: none is wider than lobes.
+    std::vector<std::shared_ptr<const PhaseOverCaps>> caps;
     bool perView = false;  ///< footprints are splatted into each view's own sheets instead of shared ones
     bool shadeAtPixels = false;
     std::string shadeReason;

@@ -309,17 +309,53 @@ int SubLights::countOf(int owner) const {
     return static_cast<int>(last - first);
 }
 
-std::vector<Light> sunsOfSky(const ViewScene& scene, const Light& dome) {
+double capOf(double solidAngle) {
+    return std::acos(std::clamp(1 - solidAngle / (2 * kPi), -1.0, 1.0));
+}
+
+double widestCap(const Light& subLight, double part, const Bounds& ws) {
+    if (subLight.distant()) return capOf(part);
+    const double r = glm::distance(subLight.wsPosition, glm::clamp(subLight.wsPosition, ws.lower, ws.upper));
+    return std::min(std::sqrt(part / kPi) / std::max(r, 1e-300), 0.5 * kPi);
+}
+
+namespace {
+
+// The solid angle of a sun or sky, or the area that a surface's sub-lights stand for: of a far sphere, that of its disk.
+double measureOf(const Light& light, bool farSphere) {
+    if (const Light::Area* area = light.area()) return area->area() * (farSphere ? 0.25 : 1);
+    return solidAngle(light, {});
+}
+
+// The suns in the picture of a sky, whole.
+std::vector<Light> wholeSuns(const Light& dome) {
     std::vector<Light> suns;
     if (!dome.dome() || !dome.slide || !dome.slide->parts || !dome.slide->parts->smooth) return suns;
     for (const SkySun& sun : dome.slide->parts->suns) {
-        Light whole = sunFrom(dome, -domeDirection(dome, sun.u, sun.v), dome.intensity * sun.light);
+        Light& whole = suns.emplace_back(
+            sunFrom(dome, -domeDirection(dome, sun.u, sun.v), dome.intensity * sun.light));
         whole.kind = Light::Distant(sun.angle);
         whole.slide.reset();
         whole.samples = 0;
-        addSun(whole, sun.angle, subLightCount(scene, whole), suns);
     }
     return suns;
+}
+
+void addSuns(const ViewScene& scene, const Light& dome, SubLights& all) {
+    for (const Light& whole : wholeSuns(dome)) {
+        const int count = subLightCount(scene, whole);
+        addSun(whole, std::get<Light::Distant>(whole.kind).angle, count, all.lights);
+        all.parts.resize(all.lights.size(), measureOf(whole, false) / count);
+        all.suns.resize(all.lights.size(), true);
+    }
+}
+
+}  // namespace
+
+std::vector<Light> sunsOfSky(const ViewScene& scene, const Light& dome) {
+    SubLights suns;
+    addSuns(scene, dome, suns);
+    return suns.lights;
 }
 
 SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells) {
@@ -331,6 +367,7 @@ SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells) {
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
         const int count = subLightCount(scene, light);
+        const std::size_t first = all.lights.size();
         const bool onCell = std::find(onCells.begin(), onCells.end(), static_cast<int>(i)) != onCells.end();
         if (onCell || (light.dome() && skiesFromBorder(scene))) {
             // Only its suns take sweeps.
@@ -347,10 +384,13 @@ SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells) {
         else
             all.lights.push_back(light);
         all.suns.resize(all.lights.size(), false);
-        for (const Light& sun : sunsOfSky(scene, light)) all.lights.push_back(sun);
-        all.suns.resize(all.lights.size(), true);
+        all.parts.resize(all.lights.size(),
+                         light.extended() ? measureOf(light, isFarSphere(light, ws)) / double(all.lights.size() - first)
+                                          : 0);
+        addSuns(scene, light, all);
         if (all.lights.size() == all.owners.size()) {  // its picture is black, or it is on cells: it is culled
             all.suns.push_back(false);
+            all.parts.push_back(0);
             all.lights.push_back(sunFrom(light, light.wsDirection, Rgb(0)));
             all.lights.back().slide.reset();
         }
@@ -377,17 +417,20 @@ const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, 
         const std::vector<bool> shadowsByOwner = std::exchange(volume.shadows, {});
         for (std::size_t i = 0; i < lights.owners.size() && !shadowsByOwner.empty(); ++i)
             volume.shadows.push_back(shadowsByOwner[std::size_t(lights.owners[i])]);
-        // Skies light media that scatter fully through the border of the cells.
-        const bool noSky = scattersFully(volume);
-        if (volume.lights.empty() && !noSky) continue;
+        if (volume.lights.empty() && !scattersFully(volume)) continue;
         const std::vector<bool> byOwner = volume.lights;
         volume.lights.clear();
         for (std::size_t i = 0; i < lights.owners.size(); ++i) {
             const auto owner = std::size_t(lights.owners[i]);
-            volume.lights.push_back(litBy(byOwner, owner) && !(noSky && scene.lights[owner].dome() && !lights.suns[i]));
+            volume.lights.push_back(litBy(byOwner, owner) &&
+                                    (lights.suns[i] || !comesFromBorder(scene.lights[owner], volume)));
         }
     }
     return plain;
+}
+
+bool comesFromBorder(const Light& light, const ViewVolume& volume) {
+    return light.dome() && scattersFully(volume);
 }
 
 bool skiesFromBorder(const ViewScene& scene) {

@@ -8,6 +8,7 @@
 // brightly as the whole mesh does at the volumes. A sphere is points where it is far from the volumes, else elements.
 #pragma once
 
+#include <scrim/geometry/bounds.h>
 #include <scrim/scene/view_scene.h>
 
 #include <vector>
@@ -19,12 +20,22 @@ struct SubLights {
     std::vector<Light> lights;
     std::vector<int> owners;  ///< for each of them the index into the lights of the scene, ascending
     std::vector<bool> suns;   ///< for each of them whether it belongs to a sun in the picture of a sky
+    /// For each of them what it stands for: of a sun or sky the solid angle, of a surface the area (world units
+    /// squared); 0: it is a light of the scene itself.
+    std::vector<double> parts;
 
     /// The scene's light that light `i` of the plan belongs to.
     int ownerOf(int i) const { return owners.empty() ? i : owners[std::size_t(i)]; }
     /// The number of lights that represent light `owner` of the scene.
     int countOf(int owner) const;
+    /// What light `i` of the plan stands for.
+    double partOf(int i) const { return parts.empty() ? 0 : parts[std::size_t(i)]; }
 };
+
+/// The half angle (radians) of a cap that has this solid angle.
+double capOf(double solidAngle);
+/// The half angle, up to pi/2, under which a place in the box `ws` sees at most what a sub-light stands for.
+double widestCap(const Light& subLight, double part, const Bounds& ws);
 
 /// The most sub-lights that the dial light_error requests for one light.
 inline constexpr int kMostSubLights = 1024;
@@ -66,8 +77,11 @@ ViewScene withFewSubLights(const ViewScene& scene, int count);
 /// The scene with the plan's lights in place of its own. `plain` holds the changed copy, if there is one.
 const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, ViewScene& plain);
 
-/// True if skies light everything through the border of the cells that carry multiply scattered light, so that they
-/// need no sub-lights.
+/// True if `light` reaches the volume through the border of the cells that carry multiply scattered light: a sky, but
+/// for its suns, and a volume that scatters fully. Neither sub-lights nor light on cells may bring it there again.
+bool comesFromBorder(const Light& light, const ViewVolume& volume);
+
+/// True if that is so for all volumes, so that skies need no sub-lights.
 bool skiesFromBorder(const ViewScene& scene);
 
 }  // namespace scrim

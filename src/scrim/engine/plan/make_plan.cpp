@@ -290,6 +290,26 @@ std::vector<std::string> reasonsByOwner(const SubLights& lights, const std::vect
     return byOwner;
 }
 
+// For each volume the means of its phase function over what the sub-lights in its sweeps stand for, where some of them
+// are wider than its lobes. Volumes of one phase function share them.
+std::vector<std::shared_ptr<const PhaseOverCaps>> capsOf(const ViewScene& scene, const SubLights& lights,
+                                                         const std::vector<std::string>& culled) {
+    std::vector<std::shared_ptr<const PhaseOverCaps>> caps(scene.volumes.size());
+    const Bounds box = wsBounds(scene);
+    double widest = 0;
+    for (std::size_t i = 0; i < lights.parts.size(); ++i)
+        if (lights.parts[i] > 0 && culled[i].empty())
+            widest = std::max(widest, widestCap(lights.lights[i], lights.parts[i], box));
+    for (std::size_t v = 0; v < caps.size(); ++v) {
+        const ViewVolume& volume = scene.volumes[v];
+        if (volume.classified || volume.field->empty() || !needsCaps(volume.medium.phase, widest)) continue;
+        for (std::size_t other = 0; other < v && !caps[v]; ++other)
+            if (scene.volumes[other].medium.phase == volume.medium.phase) caps[v] = caps[other];
+        if (!caps[v]) caps[v] = std::make_shared<const PhaseOverCaps>(volume.medium.phase, widest);
+    }
+    return caps;
+}
+
 // Memory of the picture itself.
 std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
     const auto tiles = [](int pixels) { return roundUpToTile(pixels) / kTileEdge; };
@@ -351,6 +371,7 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     const std::vector<std::string> culled = culledLights(scene);
     plan.culledLights = reasonsByOwner(plan.subLights, culled, given.lights);
     nameLightsOnCells(given, plan.cellLights, plan.culledLights);
+    plan.caps = capsOf(scene, plan.subLights, culled);
 
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);

@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 namespace scrim {
 namespace {
@@ -156,7 +157,8 @@ int leastForCells(const ViewScene& scene, const Light& light, const std::vector<
 // Whether a light is better kept on cells, or is told to be.
 bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
     if (black(light.intensity) || light.shadow == ShadowMethod::buffers) return false;
-    if (!light.shadows && !isLampOnCells(scene, light)) return false;
+    // Each direction of an unshadowed sky would need a sweep along an axis of its own.
+    if (!light.shadows && !light.dome() && !isLampOnCells(scene, light)) return false;
     if (light.dome() && skiesFromBorder(scene)) return false;
     const bool forced = light.shadow == ShadowMethod::cells;
     if (light.area() || light.dome())
@@ -205,13 +207,27 @@ double occupied(const ViewScene& scene, double margin) {
     return sum;
 }
 
+// True if the boxes have a point in common.
+bool overlap(const Bounds& a, const Bounds& b) {
+    return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
+}
+
 }  // namespace
 
 double depthOfVoxel(const ViewScene& scene) {
-    double depth = 1e-9;
+    const double voxel = voxelUnit(scene);
+    std::vector<std::pair<Bounds, double>> parts;
     for (const ViewVolume& v : scene.volumes)
-        depth = std::max(depth, double(v.field->maxValue) * v.medium.mostExtinction() * voxelUnit(scene));
-    return depth;
+        if (!v.field->empty())
+            parts.emplace_back(transformed(v.wsFromIs, v.field->isBounds()),
+                               double(v.field->maxValue) * v.medium.mostExtinction() * voxel);
+    double most = 1e-9;
+    for (const auto& [box, depth] : parts) {
+        double sum = 0;
+        for (const auto& [other, more] : parts) sum += overlap(box, other) ? more : 0;
+        most = std::max(most, sum);
+    }
+    return most;
 }
 
 void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, std::vector<std::string>& reasons) {

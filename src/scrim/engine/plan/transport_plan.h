@@ -28,7 +28,7 @@ std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan);
 /// scatteredMoments with flux, for which cells keep all directions, whatever the phase functions.
 TransportPlan planTransport(const ViewScene& scene, bool flux = false);
 
-/// The largest optical depth of a voxel, above 0.
+/// The largest optical depth of a voxel, above 0; where boxes of volumes overlap, of their sum.
 double depthOfVoxel(const ViewScene& scene);
 
 }  // namespace scrim

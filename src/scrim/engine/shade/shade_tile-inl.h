@@ -183,7 +183,22 @@ struct Lit {
     const Real* slantEye;
     const Real* amount[3];  // radiance per unit of intensity, scattering coefficient and phase function
     Real* to[3];
+    const PhaseOverCaps* caps = nullptr;  // in place of the phase function; null: the light is no part of a wide one
 };
+
+// The half angle of a cap as wide as what the light stands for is seen.
+HWY_ATTR HWY_INLINE VF halfAngleOf(const Lit& lit, int k) {
+    const SheetLight& light = *lit.light;
+    if (light.distant) return constant(light.part);
+    constexpr Real kInversePi = Real(0.3183098861837907);
+    const auto r = hn::Mul(constant(light.distanceW), load(lit.in->slant, k));
+    auto solidAngle = hn::Div(constant(light.part * kInversePi), hn::Mul(r, r));
+    if (light.oneSided) {
+        const auto facing = cosineTo(light.axisU, light.axisV, light.axisW, *lit.in, k);
+        solidAngle = hn::Mul(solidAngle, hn::Max(facing, constant(0)));
+    }
+    return hn::Sqrt(solidAngle);
+}
 
 // The cosine between the light's direction of travel and the direction towards the eye, which is opposite to the eye's
 // ray.
@@ -202,6 +217,9 @@ HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add
         forSamples([&](int k) HWY_ATTR { add(k, constant(kInverseFourPi)); });
         return;
     }
+    if (lit.caps)
+        return forSamples([&](int k)
+                              HWY_ATTR { add(k, capsAt(DF(), *lit.caps, halfAngleOf(lit, k), scatteringCosine(lit, k))); });
     const Lobe lobe(phase.g, kInverseFourPi), other(phase.g2, kInverseFourPi, phase.alpha);
     const auto blend = constant(static_cast<Real>(phase.blend));
     const auto directed = constant(Real(0.75) * kInverseFourPi * static_cast<Real>(phase.strength));

@@ -121,8 +121,11 @@ HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, con
     transmitAll(input, light, tauIn, 1, w);
     for (const SheetMedium& medium : input.media)
         if (lights(light, medium.lit))
-            addTo(input, lit, {medium.output}, w,
-                  [&](const Lit& to) { scatterInto<kTinted>(input, to, medium, medium.phase, 1, w); });
+            addTo(input, lit, {medium.output}, w, [&](const Lit& to) {
+                Lit wide = to;
+                if (light.part > 0) wide.caps = medium.caps;
+                scatterInto<kTinted>(input, wide, medium, medium.phase, 1, w);
+            });
     for (const SheetSurface& surface : input.surfaces)
         if (lights(light, surface.lit))
             addTo(input, lit, {surface.output}, w, [&](const Lit& to) { addReflected<kTinted>(to, surface); });

@@ -37,6 +37,7 @@ struct SheetMedium {
     const std::vector<bool>* lit = nullptr;
     bool ambient = true;  ///< ambient light reaches the medium without shadows
     int output = 0;       ///< further output, beside the beauty or its parts, for this medium; 0: none
+    const PhaseOverCaps* caps = nullptr;  ///< of `phase`; null: no sub-light is wider than its lobes
 };
 
 /// Light on cells at a volume, which acts as an environment that differs from sample to sample.

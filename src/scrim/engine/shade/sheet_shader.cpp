@@ -107,6 +107,7 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
         for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<Real>(albedo[c]);
         look.ambient = !scattersFully(volume);
         look.output = outputOf(extinction.volumes()[i].sceneVolume);
+        look.caps = plan.caps[std::size_t(extinction.volumes()[i].sceneVolume)].get();
         m_media.push_back(look);
         m_tints.push_back(volume.medium.relativeTint());
         m_mediumVolumes.push_back(static_cast<int>(i));

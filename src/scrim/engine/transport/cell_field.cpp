@@ -78,6 +78,13 @@ void CellField::forCells(const Visit& visit) {
     });
 }
 
+void CellField::add(const std::function<Rgb(const Vec3& ws)>& light) {
+    forCells([&](const Int3& cell, Real* values) {
+        const Rgb more = light(m_grid->wsFromCs(Vec3(cell) + 0.5));
+        for (std::size_t c = 0; c < m_colours; ++c) values[c] += static_cast<Real>(more[static_cast<int>(c)]);
+    });
+}
+
 // The way that the mean extinction of a cell is for.
 double CellField::wayTo(const Int3& cell) const {
     const double r = glm::distance(m_grid->wsFromCs(Vec3(cell) + 0.5), m_lamp->wsPosition);
@@ -157,6 +164,8 @@ std::optional<Rgb> CellField::evenFarLight(double& reach) const {
 }
 
 double CellField::lampDecay(double r2) const {
+    // At its very place a lamp shines through nothing: 0 times infinity.
+    r2 = std::max(r2, 1e-12 * m_grid->edge() * m_grid->edge());
     if (m_lamp->area()) return 1 / r2;
     return m_lamp->point().decay ? 1 / std::max(r2, std::pow(m_lamp->point().radius, 2)) : 1;
 }

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -43,6 +44,8 @@ class CellField {
     Real* block(std::size_t b) { return m_values.data() + b * kPaddedCells * m_colours; }
     /// The values of a stored cell, in its own block.
     Real* cell(std::size_t index);
+    /// Adds light(centre) to every cell: to the first colour, or to all three. `light` is called by many threads.
+    void add(const std::function<Rgb(const Vec3& ws)>& light);
     /// The light at a point, 0 beyond the stored cells.
     void sample(const Vec3& ws, Real (&rgb)[3]) const;
     /// The light at a tile of samples: kTileSize values for each colour, 0 where `extinction`, likewise kTileSize

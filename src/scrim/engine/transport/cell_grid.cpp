@@ -318,7 +318,8 @@ std::vector<double> CellGrid::areasOfSides() const {
                 t = hit.t;
                 if (t > 1) break;
                 const Vec3 normal = glm::normalize(hit.wsNormal), facing = glm::abs(normal);
-                if (facing[axis] < largest(facing)) continue;
+                // At 45 degrees two axes face the wall alike; one of them counts it.
+                if (axisOfLargest(facing) != axis) continue;
                 for (const double beside : {0.01, -0.01})
                     if (const std::int32_t side = sideFor(from + t * way + beside * m_edge * normal); side >= 0)
                         found[b].emplace_back(side, 1 / (kLines * facing[axis]));

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -119,6 +120,16 @@ void depositTile(const CellGrid& grid, const BoxDeposit& into, const Deposit& de
                          double(edge) * half, double(edge) * edge * edge, tile.value);
 }
 
+// The least distance of two parallel faces of a voxel, which in a sheared volume is less than any edge.
+double leastHeight(const Mat4& wsFromIs) {
+    const Mat3 m(wsFromIs);
+    const double volume = std::abs(glm::dot(m[0], glm::cross(m[1], m[2])));
+    double least = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis)
+        least = std::min(least, volume / glm::length(glm::cross(m[(axis + 1) % 3], m[(axis + 2) % 3])));
+    return least;
+}
+
 // Deposits a field. Every block contributes to the cells around it. If cells are smaller than blocks, two blocks that
 // are not neighbours share no cells, so every other block can be processed in parallel, in eight rounds. The sums do
 // not depend on the thread that adds them.
@@ -126,9 +137,10 @@ void add(const CellGrid& grid, const Deposit& deposit, Simd simd) {
     const SparseField& field = *deposit.field;
     const Vec3 half = halfVoxel(deposit.wsFromIs);
     const BoxDeposit into(grid, deposit);
-    double least = 1e300;
-    for (int axis = 0; axis < 3; ++axis) least = std::min(least, glm::length(Vec3(deposit.wsFromIs[axis])));
-    const bool apart = least * (kBlockEdge - 2) > 2 * std::sqrt(3.0) * grid.edge();
+    // Between the outermost voxels of two such blocks there are kBlockEdge others. What each adds to reaches half a
+    // voxel's box beyond its centre, twice that as a tent, and to the corners of cells.
+    const double reach = glm::length(half) * (deposit.tents ? 2 : 1) + std::sqrt(3.0) * grid.edge();
+    const bool apart = leastHeight(deposit.wsFromIs) * (kBlockEdge + 1) > 2 * reach;
     const Mat3 axes(deposit.wsFromIs);
     const bool straight = !deposit.classified && axes == Mat3(axes[0].x, 0, 0, 0, axes[1].y, 0, 0, 0, axes[2].z);
     const auto addBlock = [&](std::size_t block) {

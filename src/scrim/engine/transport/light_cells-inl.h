@@ -12,6 +12,7 @@
 #include <scrim/engine/transport/cell_slices.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/scene/medium.h>
+#include <scrim/scene/phase_over_caps.h>
 
 #include <algorithm>
 #include <array>
@@ -35,12 +36,17 @@ struct CellRays {
     std::optional<std::tuple<double, Vec3, Mat3>> pattern = {};  ///< of a part of a mesh: CellSlices::seriesOf
     bool attenuated = true;                                      ///< false: only surfaces hold the light back
     bool blocked = false;                                        ///< surfaces hold the light back
+    /// What the source stands for, where that is wider than lobes: parallel rays have a phase function of their own
+    /// (null: it is CellView's), others the area that the caps of CellView are those of, in cells; 0: none.
+    const Real* phaseRow = nullptr;
+    double area = 0;
     Real weight[3] = {0, 0, 0};
 };
 
 /// What all sources of a sweep share.
 struct CellView {
     Phase phase;  ///< towards the eye
+    const PhaseOverCaps* caps = nullptr;  ///< of `phase`; null: no source is wider than lobes
     bool parallelEye = true;
     Vec3 eye{0};  ///< its place, in the axes of CellSlices and in cells; parallel: the direction towards it
     std::size_t colours = 1;
@@ -80,11 +86,25 @@ class TowardsEye {
 
     /// True if the phase function is the same for parallel rays at all cells: its value is then `constantAt`.
     bool constantFor(bool parallel) const { return m_view.phase.isotropic() || (parallel && m_view.parallelEye); }
+    double constantIn(const Real* row, const Vec3& travel) const {
+        return phaseIn(PhaseRow(row, row + kPhaseAngles + 1), glm::dot(travel, m_view.eye));
+    }
     double constantAt(const Vec3& travel) const {
         return m_view.phase.isotropic() ? double(kSphere) : phaseValue(m_view.phase, glm::dot(travel, m_view.eye));
     }
     /// For light that travels along (x, y, z), unit, at the cells with these coordinates.
-    HWY_ATTR V8 at(V8 x, V8 y, V8 z, V8 i, double j, double k) const {
+    HWY_ATTR V8 at(V8 x, V8 y, V8 z, V8 i, double j, double k) const { return valueAt(cosineAt(x, y, z, i, j, k)); }
+    /// The same by a row (PhaseRow) in place of the phase function.
+    HWY_ATTR V8 in(const Real* row, V8 x, V8 y, V8 z, V8 i, double j, double k) const {
+        return rowAt(D8(), row, entryOf(D8(), cosineAt(x, y, z, i, j, k)));
+    }
+    /// The mean over caps of these half angles, radians.
+    HWY_ATTR V8 over(V8 halfAngle, V8 x, V8 y, V8 z, V8 i, double j, double k) const {
+        return capsAt(D8(), *m_view.caps, halfAngle, cosineAt(x, y, z, i, j, k));
+    }
+
+  private:
+    HWY_ATTR V8 cosineAt(V8 x, V8 y, V8 z, V8 i, double j, double k) const {
         V8 cosine;
         if (m_view.parallelEye) {
             cosine = dot8(x, y, z, m_view.eye);
@@ -94,6 +114,9 @@ class TowardsEye {
             const V8 length2 = hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::MulAdd(ez, ez, value8(1e-12))));
             cosine = hn::Div(hn::MulAdd(x, ex, hn::MulAdd(y, ey, hn::Mul(z, ez))), hn::Sqrt(length2));
         }
+        return cosine;
+    }
+    HWY_ATTR V8 valueAt(V8 cosine) const {
         if (m_view.phase.type == PhaseType::rayleigh) {
             const V8 directed = hn::MulAdd(value8(0.75), hn::Mul(cosine, cosine), value8(-0.25));
             return hn::Mul(hn::MulAdd(value8(m_view.phase.strength), directed, value8(1)), hn::Set(D8(), kSphere));
@@ -104,7 +127,6 @@ class TowardsEye {
         return value;
     }
 
-  private:
     static constexpr Real kSphere = Real(1 / (4 * std::numbers::pi));
     const CellView& m_view;
     Lobe m_lobe, m_other;
@@ -189,13 +211,17 @@ class ParallelRaster {
         const V8 fx = value8(x.fraction), fy = value8(y.fraction), half = value8(0.5),
                  ownHalf = value8(0.5 * m_perSlice);
         const bool constant = towards.constantFor(true);
-        const V8 phase = value8(constant ? towards.constantAt(m_rays.way) : 0);
+        const Real* row = m_rays.phaseRow;
+        const V8 phase = value8(!constant ? 0 : row ? towards.constantIn(row, m_rays.way) : towards.constantAt(m_rays.way));
         const V8 wx = value8(m_rays.way.x), wy = value8(m_rays.way.y), wz = value8(m_rays.way.z);
         for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
             const V8 a1 = hn::LoadU(d, far + i), a0 = hn::LoadU(d, far + i - 1);
             const V8 b1 = hn::LoadU(d, near + i), b0 = hn::LoadU(d, near + i - 1);
             const V8 before = bilinear(a1, a0, b1, b0, fx, fy);
-            const V8 p = constant ? phase : towards.at(wx, wy, wz, hn::Add(counted(i), half), j + 0.5, k + 0.5);
+            const V8 center = hn::Add(counted(i), half);
+            const V8 p = constant ? phase
+                         : row    ? towards.in(row, wx, wy, wz, center, j + 0.5, k + 0.5)
+                                  : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5);
             V8 arrives = m_rays.attenuated ? passed(before, hn::Mul(ownHalf, hn::LoadU(d, own + i))) : value8(1);
             if (m_rays.blocked) {
                 const Real* dark = m_dark.data() + (far - m_through.data());
@@ -330,14 +356,21 @@ class PointRaster {
                                hn::GatherIndex(d, beside, p), hn::GatherIndex(d, beside, next), value8(z), fx, fy);
                 light = hn::Mul(light, open);
             }
+            V8 facing = value8(1);
+            if (m_rays.oneSided) facing = hn::Max(dot8(wx, wy, wz, m_rays.way), hn::Zero(d));
             if (m_rays.decayScale > 0)
                 light = hn::Div(hn::Mul(light, value8(m_rays.decayScale)), hn::Max(r2, value8(m_rays.radius2)));
-            if (m_rays.oneSided) {
-                const V8 facing = dot8(wx, wy, wz, m_rays.way);
-                light = hn::Mul(light, throughSpread(hn::Max(facing, hn::Zero(d))));
-            }
+            if (m_rays.oneSided) light = hn::Mul(light, throughSpread(facing));
             if (m_rays.pattern) light = hn::Mul(light, sentAlong(wx, wy, wz));
-            light = hn::Mul(light, constant ? phase : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5));
+            const auto byPhase = [&]() HWY_ATTR {
+                if (constant) return phase;
+                if (m_rays.area == 0) return towards.at(wx, wy, wz, center, j + 0.5, k + 0.5);
+                // A cap as wide as the source is seen.
+                const V8 solidAngle = hn::Div(hn::Mul(value8(m_rays.area), facing), r2);
+                const V8 half = hn::Sqrt(hn::Mul(value8(1 / std::numbers::pi), solidAngle));
+                return towards.over(half, wx, wy, wz, center, j + 0.5, k + 0.5);
+            };
+            light = hn::Mul(light, byPhase());
             // Cells beyond the face belong to another one.
             light = hn::IfThenElseZero(hn::Lt(counted(i), value8(span.end)), light);
             addTo(box, view, m_rays, i, j, k, light);

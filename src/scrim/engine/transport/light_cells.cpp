@@ -97,6 +97,9 @@ namespace {
 struct Sources {
     std::vector<Light> lights;
     std::vector<int> owners;  // for each the index of the light that it is a part of, ascending
+    std::vector<double> parts = {};  // SubLights::parts of each; empty: none stands for others
+    std::vector<bool> ofSky = {};    // of each whether it is a direction of a dome
+    std::vector<int> skies = {};     // these domes, in the scene's numbers
     Rgb tint{1};
     std::size_t colours = 1;  // 3 if the lights differ in colour
     bool lamp = false;        // points of a lamp, of which the transmittance alone is asked
@@ -131,18 +134,55 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     for (const int i : lights) alone.lights.push_back(scene.lights[std::size_t(i)]);
     out.blocked = solidsBlock(scene);
     for (Light& light : alone.lights) light.samples = pointsOnCells(scene, light);
-    const SubLights parts = subLights(alone);
-    for (std::size_t i = 0; i < parts.lights.size(); ++i)
-        if (parts.lights[i].intensity != Rgb(0) && !parts.suns[i]) {
-            out.lights.push_back(parts.lights[i]);
-            out.owners.push_back(parts.ownerOf(static_cast<int>(i)));
+    const SubLights all = subLights(alone);
+    for (std::size_t i = 0; i < all.lights.size(); ++i)
+        if (all.lights[i].intensity != Rgb(0) && !all.suns[i]) {
+            out.lights.push_back(all.lights[i]);
+            out.owners.push_back(all.ownerOf(static_cast<int>(i)));
+            out.parts.push_back(all.parts[i]);
+            out.ofSky.push_back(alone.lights[std::size_t(out.owners.back())].dome() != nullptr);
         }
+    for (const int i : lights)
+        if (scene.lights[std::size_t(i)].dome()) out.skies.push_back(i);
     if (out.lights.empty()) return out;
     out.tint = out.lights.front().intensity;
     for (const Light& light : out.lights)
         if (!sameColour(out.tint, light.intensity)) out.colours = 3;
     if (out.colours == 1) out.tint /= largest(out.tint);
     return out;
+}
+
+// How sources that are wider than the lobes of a phase function are scattered towards the eye.
+struct WidePhases {
+    std::optional<PhaseOverCaps> caps;            // of elements of surfaces
+    std::vector<std::shared_ptr<PhaseRow>> rows;  // for each source; null: the phase function itself
+    std::optional<CutPhase> sky;                  // of directions of a sky, whose peaks are traced (addPeaks)
+};
+
+WidePhases widePhases(const ViewScene& scene, const Sources& sources, const Phase& phase) {
+    WidePhases wide;
+    wide.rows.resize(sources.lights.size());
+    const Bounds box = wsBounds(scene);
+    double surface = 0, sky = 0;
+    for (std::size_t i = 0; i < sources.parts.size(); ++i) {
+        if (!sources.lights[i].distant()) surface = std::max(surface, widestCap(sources.lights[i], sources.parts[i], box));
+        if (sources.ofSky[i]) sky = std::max(sky, sources.parts[i]);
+    }
+    if (needsCaps(phase, surface)) wide.caps.emplace(phase, surface);
+    std::shared_ptr<PhaseRow> ofSky;
+    if (needsCaps(phase, capOf(sky))) {
+        wide.sky.emplace(phase, std::sqrt(sky));
+        ofSky = std::make_shared<PhaseRow>(wide.sky->row);
+    }
+    std::pair<double, std::shared_ptr<PhaseRow>> sun;  // of parts of one size
+    for (std::size_t i = 0; i < sources.parts.size(); ++i) {
+        if (sources.ofSky[i]) wide.rows[i] = ofSky;
+        const double half = sources.ofSky[i] || !sources.lights[i].distant() ? 0 : capOf(sources.parts[i]);
+        if (!needsCaps(phase, half)) continue;
+        if (sun.first != half) sun = {half, std::make_shared<PhaseRow>(PhaseOverCaps(phase, half).row(half))};
+        wide.rows[i] = sun.second;
+    }
+    return wide;
 }
 
 // One pass of some sources of light through the cells, for one or all colours.
@@ -153,10 +193,11 @@ class Pass {
 
     // `colour`: the only one that the slices' extinction is for; -1: all.
     // `lamp`: what the sources stand for, if it is a lamp. `far`: what it shares with other lamps, if it does.
-    void add(const Sources& sources, const Phase& phase, const Light* lamp, int colour, CellSlices& slices,
-             CellField& field, CellField* far = nullptr) const {
+    void add(const Sources& sources, const Phase& phase, const WidePhases& wide, const Light* lamp, int colour,
+             CellSlices& slices, CellField& field, CellField* far = nullptr) const {
         const std::size_t colours = colour < 0 ? field.colours() : 1;
-        CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours, {}};
+        CellView view{phase, wide.caps ? &*wide.caps : nullptr, m_scene.camera.type == CameraType::orthographic, {},
+                      colours, {}};
         view.eye =
             view.parallelEye ? slices.reordered(-viewingAxis(m_scene.camera)) : slices.place(m_scene.camera.wsPosition);
         if (sources.blocked)
@@ -172,7 +213,7 @@ class Pass {
         for (auto first = sources.owners.begin(), last = first; first != end; first = last) {
             last = std::upper_bound(first, end, *first);
             slices.clearSums(colours);
-            sweep(sources, std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view,
+            sweep(sources, wide, std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view,
                   slices);
             if (!lamp && sources.attenuated) slices.sharpen(colours);
             slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
@@ -183,12 +224,14 @@ class Pass {
 
   private:
     // Adds the light of `count` sources from `first` on to the sums of the slices.
-    void sweep(const Sources& sources, std::size_t first, std::size_t count, int colour, const CellView& view,
-               CellSlices& slices) const {
+    void sweep(const Sources& sources, const WidePhases& wide, std::size_t first, std::size_t count, int colour,
+               const CellView& view, CellSlices& slices) const {
         std::vector<CellRays> suns[2], points;  // suns: those that go up, and those that go down
         for (std::size_t i = first; i < first + count; ++i) {
             const Light& light = sources.lights[i];
             CellRays rays = raysOf(sources, light, slices);
+            if (!wide.rows.empty() && wide.rows[i]) rays.phaseRow = wide.rows[i]->data();
+            if (view.caps && !rays.parallel) rays.area = sources.parts[i] / (m_grid.edge() * m_grid.edge());
             // Relative to the tint where there is one value for all colours.
             for (int c = 0; c < static_cast<int>(view.colours); ++c)
                 rays.weight[c] = static_cast<Real>(sources.colours == 3 ? light.intensity[colour < 0 ? c : colour]
@@ -253,6 +296,7 @@ struct Job {
     std::shared_ptr<CellField> far = nullptr;   // of a lamp: what it shares with others; null: it is alone
     std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
     std::size_t media = 0;                      // index of what holds the light back (addMedia)
+    WidePhases wide = {};
 };
 
 // Lights share a field unless layers, or the volumes that cast shadows in them, tell them apart. Lamps share one with
@@ -297,13 +341,20 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
     std::vector<Job> jobs;
     if (wants(scene, Layer::light)) light.output = Output{Layer::light, lightOfLayer(scene, group.front())};
     light.ofVolume.resize(scene.volumes.size());
-    const auto shown = [](const ViewVolume& volume) { return !volume.field->empty() && !volume.holdout; };
-    for (const std::vector<int>& volumes : alikeVolumes(scene, shown)) {
+    // Volumes that scatter fully are apart: skies reach them through the border of the solve.
+    std::vector<std::vector<int>> classes;
+    for (const bool full : {false, true})
+        for (std::vector<int>& volumes : alikeVolumes(scene, [full](const ViewVolume& volume) {
+                 return !volume.field->empty() && !volume.holdout && scattersFully(volume) == full;
+             }))
+            classes.push_back(std::move(volumes));
+    for (const std::vector<int>& volumes : classes) {
         const ViewVolume& alike = scene.volumes[std::size_t(volumes.front())];
         const Phase& phase = alike.medium.phase;
         std::vector<int> lit;
         for (const int i : group)
-            if (litBy(alike.lights, std::size_t(i))) lit.push_back(i);
+            if (litBy(alike.lights, std::size_t(i)) && !comesFromBorder(scene.lights[std::size_t(i)], alike))
+                lit.push_back(i);
         if (lit.empty()) continue;
         const Light& first = scene.lights[std::size_t(group.front())];
         const bool lamps = isLampOnCells(scene, first);
@@ -317,11 +368,37 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
             if (sources.colours == 3) sources.tint = Rgb(1);
             field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
             if (lamps) field->setLamp(first, phase, scene.camera, sources.attenuated, false);
+            WidePhases wide;
+            if (!lamps) wide = widePhases(scene, sources, phase);
             jobs.push_back({lit.front(), std::move(sources), phase, field, lamps ? &first : nullptr});
+            jobs.back().wide = std::move(wide);
         }
         for (const int v : volumes) light.ofVolume[std::size_t(v)] = field;
     }
     return jobs;
+}
+
+// Adds the light of skies in the peaks of a phase function that their directions do not resolve. They are so narrow that
+// it comes from where the eye looks, or from behind it.
+void addPeaks(const ViewScene& scene, const Job& job, const CellMedia& media, const std::function<void()>& checkpoint) {
+    if (!job.wide.sky) return;
+    checkpoint();
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const Rgb tint = job.sources.tint;
+    job.field->add([&](const Vec3& ws) {
+        Rgb sum(0);
+        const Vec3 toEye = travelToEye(scene.camera, ws);
+        for (const auto& [part, way] : {std::pair(job.wide.sky->onwards, -toEye), {job.wide.sky->backwards, toEye}}) {
+            if (part < 1e-4) continue;
+            if (job.sources.blocked && scene.solids->firstHit(SolidRole::shadow, ws, way, 0, kInfinity) < kInfinity)
+                continue;
+            Rgb light(0);
+            for (const int i : job.sources.skies) light += skyAt(scene.lights[std::size_t(i)], way);
+            if (job.sources.attenuated) light *= glm::exp(-depthAlong(media, ws, way));
+            sum += part * light;
+        }
+        return job.sources.colours == 1 ? Rgb(largest(sum) / largest(tint)) : sum;
+    });
 }
 
 // Adds to `media`, which holds those of all volumes, those of the volumes alone that hold back the light of a job.
@@ -372,8 +449,8 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             m == 0 ? slices.fill(media[m].extinction[c], reach) : slices.refill(media[m].extinction[c]);
             for (const Job& job : jobs)
                 if (job.media == m)
-                    pass.add(job.sources, job.lamp ? Phase() : job.phase, job.lamp, grey ? -1 : static_cast<int>(c),
-                             slices, *job.field, job.far.get());
+                    pass.add(job.sources, job.lamp ? Phase() : job.phase, job.wide, job.lamp,
+                             grey ? -1 : static_cast<int>(c), slices, *job.field, job.far.get());
         }
         for (const Job& job : jobs) {
             if (!job.open) continue;
@@ -381,12 +458,15 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             Sources open = sourcesOfLamp(*job.lamp, kForEdges * static_cast<int>(job.sources.lights.size()));
             open.attenuated = false;
             open.blocked = true;
-            pass.add(open, Phase(), nullptr, -1, slices, *job.open);
+            pass.add(open, Phase(), {}, nullptr, -1, slices, *job.open);
         }
         most = std::max(most, slices.bytes());
     }
     for (const Job& job : jobs)
-        if (job.lamp) job.field->makeMean(media[job.media], job.open);
+        if (job.lamp)
+            job.field->makeMean(media[job.media], job.open);
+        else
+            addPeaks(scene, job, media[job.media], checkpoint);
     for (const CellMedia& one : media) bytes += one.bytes();
     bytes += most;
     return all;

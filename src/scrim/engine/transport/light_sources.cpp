@@ -349,6 +349,27 @@ void FirstLight::addTo(const Ordinates& along, const std::vector<ScatterClass>& 
             source[row * values + m] += media.emission[std::size_t(m_colour)][cells[row]];
 }
 
+Rgb depthAlong(const CellMedia& media, const Vec3& ws, const Vec3& direction) {
+    return opticalDepths(media, ws, direction, kInfinity).tau;
+}
+
+Rgb skyAt(const Light& sky, const Vec3& direction) {
+    if (!sky.slide) return sky.intensity;
+    const auto& levels = smoothPicture(*sky.slide).levels();
+    std::size_t level = 0;
+    while (level + 1 < levels.size() && levels[level].width > kSkyColumns) ++level;
+    const Texture::Level& picture = levels[level];
+    const Vec2 at = pictureOfDome(sky, direction) * Vec2(picture.width, picture.height) - 0.5;
+    const Vec2 whole = glm::floor(at), part = at - whole;
+    Rgb sum(0);
+    for (int i = 0; i < 4; ++i) {
+        const int x = static_cast<int>(whole.x) + (i & 1), y = static_cast<int>(whole.y) + (i >> 1);
+        const float* p = picture.pixel((x + picture.width) % picture.width, std::clamp(y, 0, picture.height - 1));
+        sum += ((i & 1) != 0 ? part.x : 1 - part.x) * ((i >> 1) != 0 ? part.y : 1 - part.y) * Rgb(p[0], p[1], p[2]);
+    }
+    return sky.intensity * sum;
+}
+
 double wayFrom(const Light& lamp, double r) {
     const double radius = radiusOfSphere(lamp);
     if (radius == 0) return r;

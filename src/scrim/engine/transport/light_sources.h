@@ -60,6 +60,12 @@ class FirstLight {
     std::vector<Real> m_onSides;  // of walls: the radiance that they send back
 };
 
+/// The optical depth from `ws` along a direction (unit) through all of the cells.
+Rgb depthAlong(const CellMedia& media, const Vec3& ws, const Vec3& direction);
+
+/// The radiance of a sky in a direction (unit, towards the sky), without the suns that are split off.
+Rgb skyAt(const Light& sky, const Vec3& direction);
+
 /// The radius of a lamp that is a sphere; 0: it is a point.
 inline double radiusOfSphere(const Light& lamp) {
     return lamp.area() ? lamp.area()->radius : 0;
