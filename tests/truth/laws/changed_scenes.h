@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The same scene in another way, or a part of it: what laws compare with.
+#pragma once
+
+#include <scrim/scene/view_scene.h>
+
+#include <functional>
+#include <vector>
+
+namespace scrim::test {
+
+/// The scene with only these of its lights, in this order; one may be there twice.
+ViewScene withLights(const ViewScene& scene, const std::vector<std::size_t>& lights);
+/// Without ambient light and emission.
+ViewScene withoutOtherLight(ViewScene scene);
+/// With `factor` times the density and emission of volume `v`.
+void scaleDensity(ViewVolume& volume, double factor);
+/// The whole scene under p -> scale * (axes p) + shift, with what makes it look the same: extinction and emission over
+/// `scale`, intensities of lamps times its square. `axes` is orthonormal; if it is left-handed, the picture is mirrored
+/// from left to right.
+ViewScene movedScene(const ViewScene& scene, double scale, const Mat3& axes, const Vec3& shift);
+/// Red in place of blue, and blue in place of red, in all that has a colour.
+ViewScene exchanged(const ViewScene& scene);
+/// With texels, sheets and cells of half the size, and with twice as many points and directions.
+ViewScene refined(ViewScene scene);
+/// The picture from right to left.
+Image mirrored(const Image& image);
+/// Blue in place of red.
+Image exchanged(const Image& image);
+
+}  // namespace scrim::test
