@@ -44,6 +44,13 @@ void report(const ProgressSink& progress, double done) {
 }
 
 BakedVolume emptyBake(const SparseField& field) {
+    // Each of 6 KB a light, so that no machine has memory for more.
+    constexpr double kMostBlocks = double(std::size_t{1} << 27);
+    if (const double blocks = blocksOf(field); blocks > kMostBlocks)
+        throw Error(ErrorKind::memory,
+                    fmt::format("grid '{}' has {:.3g} voxels, with those in constant regions; at most {:.3g} can be "
+                                "baked",
+                                field.name, kBlockVoxels * blocks, kBlockVoxels * kMostBlocks));
     BakedVolume out;
     for (std::size_t b = 0; b < field.blockCount(); ++b) {
         std::bitset<kBlockVoxels> active;
