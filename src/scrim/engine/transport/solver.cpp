@@ -276,7 +276,12 @@ void TransportSolver::start(std::size_t level, const Real* inflow) {
 // Improves x after a sweep whose r = G(x) - x is `residual` of light; returns by how much light, relative to that.
 double TransportSolver::improve(std::size_t level, double residual, AndersonMixing& anderson) {
     Level& here = m_levels[level];
-    if (level + 1 == m_levels.size()) return anderson.step(here.x, here.next);
+    const auto mix = [&](std::size_t beside) {
+        const double length = anderson.step(here.x, here.next);
+        m_mixed = std::max(m_mixed, anderson.bytes() + beside);
+        return length;
+    };
+    if (level + 1 == m_levels.size()) return mix(0);
     // The error of x is r + K r + ..., K being a sweep without sources: r itself, and its scattering, which coarser
     // cells compute.
     Level& coarse = m_levels[level + 1];
@@ -295,7 +300,7 @@ double TransportSolver::improve(std::size_t level, double residual, AndersonMixi
     prolong(coarse, here, true);
     here.next.swap(here.x);
     here.x.swap(before);
-    anderson.step(here.x, here.next);
+    mix(before.size() * sizeof(Real));
     return gain;
 }
 
@@ -373,8 +378,21 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     return m_solved;
 }
 
+TransportSolver::Reals TransportSolver::realsFor(double cells, std::size_t values, bool walls, std::size_t classes,
+                                                 std::size_t bundles) {
+    const bool isotropic = values == 1, single = walls || cells <= double(kFewestCells);
+    const std::size_t history =
+        single || isotropic ? AndersonMixing::vectors(walls && !isotropic ? kShortHistory : kHistory) : 0;
+    const std::size_t before = isotropic ? 1 : 0;
+    constexpr std::size_t kPlace = sizeof(std::size_t) / sizeof(Real);
+    Reals reals;
+    reals.perRow = double(values * (3 + history + before) + 1 + (classes > 1 ? classes : 0) + kPlace);
+    reals.perCell = double(2 + (isotropic ? 1 + bundles : 0));
+    return reals;
+}
+
 std::size_t TransportSolver::bytes() const {
-    std::size_t bytes = (m_mean.capacity() + m_scratch.capacity()) * sizeof(Real);
+    std::size_t bytes = (m_mean.capacity() + m_scratch.capacity()) * sizeof(Real) + m_mixed;
     for (const Level& level : m_levels) {
         bytes += (level.x.size() + level.next.size() + level.source.size() + level.extinction.size() +
                   level.scattering.size() * (1 + level.shares.size())) *

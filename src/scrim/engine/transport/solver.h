@@ -76,7 +76,14 @@ class TransportSolver {
     Solved solve(std::size_t colour, const std::vector<Real>& inflow);
     const std::vector<Real>& radiance() const;
 
+    /// Peak memory so far.
     std::size_t bytes() const;
+    /// About how many Reals a solver keeps for each of `cells` cells, at most; `values`: those of a row. Cells without
+    /// a row have none of its values.
+    struct Reals {
+        double perRow = 0, perCell = 0;
+    };
+    static Reals realsFor(double cells, std::size_t values, bool walls, std::size_t classes, std::size_t bundles);
 
   private:
     struct Level;
@@ -108,6 +115,7 @@ class TransportSolver {
     std::vector<Real> m_mean, m_scratch;        // memory of sweeps, kept because fresh memory is slow
     std::vector<std::uint8_t> m_border;         // see CellSweep
     std::vector<Real> m_back, m_caught;         // for each side of walls (see CellSweep)
+    std::size_t m_mixed = 0;                    // the most bytes of steps that were mixed
     double m_gain = 1;                          // of the current solve: the error of x, relative to its residual
     Solved m_solved;
 };
