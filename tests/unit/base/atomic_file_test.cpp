@@ -209,7 +209,7 @@ TEST(AtomicFile, OpensToNoGroupWhatAnotherGroupMayRead) {
     const test::TempFolder folder;
     const std::string path = folder.file("a.exr");
     put(path, "old");
-    ::chmod(path.c_str(), 0664);
+    ::chmod(path.c_str(), 0660);
     ::chmod(folder.path().c_str(), 0777);
     const pid_t child = ::fork();
     if (child == 0) {
@@ -222,7 +222,7 @@ TEST(AtomicFile, OpensToNoGroupWhatAnotherGroupMayRead) {
     ASSERT_EQ(status, 0);
     EXPECT_EQ(content(path), "new");
     EXPECT_EQ(statusOf(path).st_gid, 65534u);
-    EXPECT_EQ(modeOf(path), "644");
+    EXPECT_EQ(modeOf(path), "600");
 }
 
 TEST(AtomicFile, WritesThroughSymbolicLinks) {

@@ -317,7 +317,7 @@ TEST(ColourConfig, MissingLookUpFileIsAnError) {
 
 /// A config of a few spaces, looks and views, and of the YAML that a test adds.
 struct ConfigParts {
-    std::string spaces, looks, named;
+    std::string spaces = {}, looks = {}, named = {};
     std::string viewTransform = "!<MatrixTransform> {}";
     std::string shown = "lin";  ///< the space of the view
 

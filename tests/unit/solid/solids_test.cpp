@@ -57,12 +57,12 @@ TEST(Solids, LeaveNothingBehindWhereThereIsNoMemoryForThem) {
         std::make_shared<const TriangleMesh>(TriangleMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
     const int before = scenes;
     {
-        const Solids solids({{.mesh = mesh}});
+        const Solids solids({{.name = "wall", .mesh = mesh}});
         EXPECT_GT(scenes, before);
     }
     EXPECT_EQ(scenes, before);
     outOfMemory = true;
-    EXPECT_EQ(errorOf(ErrorKind::memory, [&] { const Solids solids({{.mesh = mesh}}); }),
+    EXPECT_EQ(errorOf(ErrorKind::memory, [&] { const Solids solids({{.name = "wall", .mesh = mesh}}); }),
               "not enough memory to trace rays to the meshes");
     outOfMemory = false;
     EXPECT_EQ(scenes, before);

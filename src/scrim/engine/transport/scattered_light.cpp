@@ -121,11 +121,11 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
     for (auto& flux : m_flux)
         if (m_kept == Kept::meanAndFlux) m_bytes += (flux = std::make_shared<CellField>(m_grid, 3))->bytes();
     m_bytes += media.bytes();
-    const std::size_t kept = m_bytes;
+    const std::size_t fields = m_bytes;
     if (m_grid->cells() > 0) solve(scene, media, classes, plan, simd, checkpoint);
     // The solver is gone when that of larger cells comes.
     if (m_grid->cells() > 0 && !plan.coarse && m_grid->sides() == 0)
-        m_bytes = std::max(m_bytes, kept + extrapolate(scene, plan, simd, checkpoint));
+        m_bytes = std::max(m_bytes, fields + extrapolate(scene, plan, simd, checkpoint));
     if (!plan.coarse) separate();
     limitFlux();
 }
