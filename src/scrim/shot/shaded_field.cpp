@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
@@ -93,9 +92,7 @@ FieldPointer mappedField(const SparseField& field, const Map& map) {
 std::vector<Int3> blocksWithin(const SparseField& field, const BlockIndex& index, const Noise& noise,
                                const Vec3& reach) {
     std::vector<Int3> found;
-    double before = double(field.blockCount());
-    for (const ConstantTile& tile : field.tiles) before += std::pow(tile.edge / kBlockEdge, 3);
-    if (before > double(kMostBlocks)) tooLarge(field);
+    if (dividedBlocks(field) > double(kMostBlocks)) tooLarge(field);
     const auto refuse = [&] {
         throw Error(
             ErrorKind::input,

@@ -312,21 +312,28 @@ double bytesFor(const ViewScene& scene, const TransportPlan& plan, bool flux) {
     std::size_t points = 0;
     for (const ScatterTarget& target : plan.targets) points = std::max(points, FirstLight::points(scene, target));
 
+    // The solver: x, next and source, the steps that are mixed, and x before a correction.
+    const bool walls = solidsBlock(scene), coarsest = walls || plan.cells <= double(TransportSolver::kFewestCells);
     const std::size_t values = plan.isotropic ? 1 : ordinates;
-    auto [perRow, perCell] = TransportSolver::realsFor(plan.cells, values, solidsBlock(scene), classes, bundles);
+    std::size_t rows = 3 + (plan.isotropic ? 1 : 0);
+    if (plan.isotropic || coarsest)
+        rows += AndersonMixing::vectors(walls && !plan.isotropic ? TransportSolver::kShortHistory
+                                                                 : TransportSolver::kHistory);
+    // Beside them scattering, shares of classes and the place of a row; extinction and the number of a cell's row.
+    double perRow = double(values * rows + 1 + classes + 2), perCell = 2;
+    if (plan.isotropic) perCell += double((1 + bundles) * (further ? 2 : 1));  // of sweeps
     perRow += double(someOnce ? 2 * points + values : points);
     const std::size_t straight = plan.isotropic ? 0 : std::max<std::size_t>(classes, 4);
     perRow += double(3 * classes + straight + (flux ? 3 : 0));  // see LastSweep::pass
-    if (plan.isotropic && further) perCell += double(1 + bundles);
     const double colours = greyScattering(scene) ? 1 : 3;
     const double media = colours * double(2 + classes) + (anyEmits(scene) ? 3 : 0);
     perCell += further && !plan.isotropic ? 2 * media : media;
     // Fields have borders around their blocks, which about doubles them.
     perCell +=
         3 * 2 * (double(plan.targets.size() * classes) * (wants(scene, Layer::indirect) ? 2 : 1) + (flux ? 3 : 0));
-    const double rows = plan.isotropic ? 1 : 0.6;  // of a cell: those where nothing is have none
+    const double known = plan.isotropic ? 1 : 0.6;  // of the cells: those where nothing is have no row
     // The factor accounts for coarser levels, and for cells twice as large for extrapolation.
-    return 1.3 * plan.cells * sizeof(Real) * (rows * perRow + perCell);
+    return 1.3 * plan.cells * sizeof(Real) * (known * perRow + perCell);
 }
 
 }  // namespace

@@ -138,8 +138,8 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
     const bool eye = m_kept == Kept::towardsEye, flux = m_kept == Kept::meanAndFlux;
     TransportSolver solver(media, classes, {directions, scene.dials.scatterError, 60, simd, checkpoint, flux});
     LastSweep last(scene, media, classes, plan.ordinates, eye ? &scene.camera : nullptr, flux, solver, simd);
-    std::size_t mostBeside = 0;  // bytes, beside the solver
     const bool someOnce = std::ranges::any_of(classes, &ScatterClass::once);
+    std::size_t beside = 0;  // the most bytes of the light beside the solver
     for (std::size_t t = 0; t < m_targets.size(); ++t) {
         for (const auto& [target, colours] : partsOf(scene, plan, m_targets[t])) {
             const auto colour = std::size_t(axisOfLargest(colours));
@@ -162,8 +162,7 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
             });
             keepIn(m_fields, full | once, kept, first.straight(), 1);
             keepFlux(solver, kept, first.straight(), colours);
-            std::size_t beside = first.bytes() + before.size() * sizeof(Real);
-            mostBeside = std::max(mostBeside, beside);
+            beside = std::max(beside, (someOnce ? 2 : 1) * first.bytes() + before.size() * sizeof(Real));
             const bool apart = !inflow.empty() && m_classes > 0 && m_unscattered[t * m_classes];
             if (!inflow.empty() && (apart || someOnce)) {
                 const auto unscattered = last.pass(colour, inflow, false, {});
@@ -173,7 +172,6 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
             }
             if (!someOnce) continue;
             const FirstLight again = light(true);
-            mostBeside = std::max(mostBeside, beside += again.bytes());
             again.addTo(directions, classes, media, simd, solver.clearedSource());
             last.addScattered(true, colour, before, directions, solver.source());
             m_solved += solver.solve(colour, {});
@@ -191,7 +189,7 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
     for (const auto& field : m_flux)
         if (field) fillBorders(solver, *field);
     m_solved.cellDirections += last.cellDirections();
-    m_bytes += solver.bytes() + last.bytes() + mostBeside;
+    m_bytes += solver.bytes() + last.bytes() + beside;
 }
 
 // Adds what is kept of a pass to a target's fields, for the cells inside of blocks. `which`: full, once or both.

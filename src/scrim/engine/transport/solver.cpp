@@ -14,7 +14,7 @@
 namespace scrim {
 namespace {
 
-constexpr std::size_t kFewestCells = 4 * kBlockCells, kMostLevels = 6;  // smaller grids are not made coarser
+constexpr std::size_t kMostLevels = 6;
 // Coarser cells reduce a residual to this part. More precision is pointless, since they only approximate finer ones.
 constexpr double kCoarseTolerance = 0.2;
 // Sweeps of coarser cells for each sweep of finer ones (few, since every level calls the next), and of the coarsest.
@@ -23,8 +23,6 @@ constexpr int kCoarseSweeps = 3, kCoarsestSweeps = 40;
 constexpr int kIdleSweeps = 6;
 constexpr double kIdle = 0.95;
 constexpr double kFall = 0.3;  // initial estimate of the residual's ratio from sweep to sweep of the finest cells
-// Steps that Anderson's acceleration mixes: few for cells that have a value for each ordinate.
-constexpr std::size_t kHistory = 6, kShortHistory = 3;
 
 }  // namespace
 
@@ -376,19 +374,6 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     }
     m_solved.converged = m_solved.error <= m_settings.tolerance;
     return m_solved;
-}
-
-TransportSolver::Reals TransportSolver::realsFor(double cells, std::size_t values, bool walls, std::size_t classes,
-                                                 std::size_t bundles) {
-    const bool isotropic = values == 1, single = walls || cells <= double(kFewestCells);
-    const std::size_t history =
-        single || isotropic ? AndersonMixing::vectors(walls && !isotropic ? kShortHistory : kHistory) : 0;
-    const std::size_t before = isotropic ? 1 : 0;
-    constexpr std::size_t kPlace = sizeof(std::size_t) / sizeof(Real);
-    Reals reals;
-    reals.perRow = double(values * (3 + history + before) + 1 + (classes > 1 ? classes : 0) + kPlace);
-    reals.perCell = double(2 + (isotropic ? 1 + bundles : 0));
-    return reals;
 }
 
 std::size_t TransportSolver::bytes() const {

@@ -78,12 +78,12 @@ class TransportSolver {
 
     /// Peak memory so far.
     std::size_t bytes() const;
-    /// About how many Reals a solver keeps for each of `cells` cells, at most; `values`: those of a row. Cells without
-    /// a row have none of its values.
-    struct Reals {
-        double perRow = 0, perCell = 0;
-    };
-    static Reals realsFor(double cells, std::size_t values, bool walls, std::size_t classes, std::size_t bundles);
+
+    /// Smaller grids are not made coarser.
+    static constexpr std::size_t kFewestCells = 4 * kBlockCells;
+    /// Steps that Anderson's acceleration mixes, of the coarsest cells and, if rows have one value, of the finest: few
+    /// for cells that have a value for each ordinate and walls.
+    static constexpr std::size_t kHistory = 6, kShortHistory = 3;
 
   private:
     struct Level;
