@@ -290,7 +290,7 @@ TEST(BakedLight, FluxCountsAgainstTheMemoryLimit) {
     scene.volumes[0].medium.phase = {};
     scene.volumes[0].medium.scattering = Scattering::full;
     const std::size_t bytes = planTransport(scene, true).bytes;
-    EXPECT_GT(bytes, 3 * planTransport(scene).bytes);
+    EXPECT_GT(bytes, 2 * planTransport(scene).bytes);
     scene.memoryLimit = bytes - 1;
     EXPECT_NO_THROW(bakeLight(scene, {true, true}, true, false, 2));
     try {
