@@ -74,14 +74,14 @@ std::vector<AxVariable> readVariables(TomlTable& table, const ReadContext& conte
             if (mentions(value.name())) {
                 variables.push_back({value.name(), readVariable(value, context.wholeFrame)});
                 if (!variables.back().isFinite()) value.failExpecting("numbers that fit into floats");
-            } else if (volume.source.empty())
+            } else if (volume.source.empty()) {
                 value.fail(
                     fmt::format("the expression does not use '${0}'; expected it there, or no '{0}'", value.name()));
+            }
         }
     }
-}
-if (mentions(kSeed) && !seeded) variables.push_back({kSeed, {0}});
-return variables;
+    if (mentions(kSeed) && !seeded) variables.push_back({kSeed, {0}});
+    return variables;
 }
 
 Bounds readBox(const TomlValue& value) {
