@@ -63,9 +63,9 @@ TEST_F(CliErrors, UnknownGridListsThoseThereAre) {
                               {.name = "speed", .type = "vec3s", .voxels = {{{0, 0, 0}, 1}}}});
     write("grid.toml", kCamera + "[[volume]]\nfile = \"two.vdb\"\ndensity = { grid = \"smoke\" }\n");
     expectFailure({"render", "grid.toml"}, kInput,
-                  "grid.toml:8:22: two.vdb: no grid 'smoke'; it holds 'fuel' (float), 'speed' (vec3s)");
-    expectFailure({"render", "two.vdb", "--set", "volume.volume1.density.grid=smoke"}, kInput,
-                  "--set volume.volume1.density.grid: two.vdb: no grid 'smoke'; it holds 'fuel' (float), 'speed' "
+                  "grid.toml:8:20: two.vdb: no grid 'smoke'; it holds 'fuel' (float), 'speed' (vec3s)");
+    expectFailure({"render", "two.vdb", "-q", "--set", "volume.two.density.grid=smoke"}, kInput,
+                  "--set volume.two.density.grid: two.vdb: no grid 'smoke'; it holds 'fuel' (float), 'speed' "
                   "(vec3s)");
 }
 
@@ -94,7 +94,7 @@ TEST_F(CliErrors, NamedGridOfAnotherTypeIsRefusedWithTheUsableOnes) {
                               {.name = "id", .type = "int32", .voxels = {{{0, 0, 0}, 1}}}});
     write("grid.toml", kCamera + "[[volume]]\nfile = \"two.vdb\"\ndensity = { grid = \"id\" }\n");
     expectFailure({"render", "grid.toml"}, kInput,
-                  "grid.toml:8:22: two.vdb: grid 'id' holds int32 values, where a float, half or double grid is "
+                  "grid.toml:8:20: two.vdb: grid 'id' holds int32 values, where a float, half or double grid is "
                   "expected; of those "
                   "there is 'fuel'");
 }

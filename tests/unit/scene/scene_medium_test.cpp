@@ -417,7 +417,7 @@ TEST(SceneTint, ConversionThatFailsIsLocated) {
                   ColourConfig::open(file));
         FAIL() << "no error";
     } catch (const Error& error) {
-        EXPECT_EQ(std::string(error.what()).rfind("scene.toml:7:52: cannot convert from 'ring' to 'house': ", 0), 0u)
+        EXPECT_EQ(std::string(error.what()).rfind("scene.toml:7:51: cannot convert from 'ring' to 'house': ", 0), 0u)
             << error.what();
     }
 }
