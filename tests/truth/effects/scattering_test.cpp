@@ -2,6 +2,7 @@
 // Light that scatters more than once: the path tracer against closed forms, the solver against closed forms and the
 // path tracer, which share no code.
 #include "scenes.h"
+#include "support/meshes.h"
 #include "support/slides.h"
 #include "support/verified.h"
 
@@ -618,6 +619,11 @@ std::map<std::string, ViewScene> hungryScenes() {
     box.volumes = orthographicScene(boxField({-20, -20, -20}, {19, 19, 19}), narrow.volumes[0].medium, 44, 48).volumes;
     ViewScene& evenBox = all["a box, many points"] = box;
     evenBox.volumes[0].medium.phase.g = 0;
+    const Solid wall{"wall", squareMesh({0, 0, 3}, {0, 0, 1}, 15), Mat4(1.0), false, true, false, Rgb(0.8)};
+    for (const std::string name : {"even, many points", "g = 0.5, many points"}) {
+        ViewScene& walled = all[name + ", a wall"] = all.at(name);
+        walled.solids = std::make_shared<const Solids>(std::vector<Solid>{wall});
+    }
     ViewScene& mixed = all["g = 0.5, another scatters once"] = narrow;
     mixed.volumes.push_back(mixed.volumes.front());
     mixed.volumes.back().medium.scattering = Scattering::single;
