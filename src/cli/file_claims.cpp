@@ -20,7 +20,7 @@ std::string FileClaims::writes(const std::string& path, const std::string& role)
                                                   role, shortened(path), read->second));
     const auto [writer, isNew] = m_written.emplace(identity, role);
     if (!isNew) return writer->second;
-    m_folders.insert(std::filesystem::path(path).parent_path().string());
+    m_folders.insert(std::filesystem::path(linkTarget(path)).parent_path().string());
     return {};
 }
 

@@ -3,7 +3,6 @@
 
 #include "guarded_loading.h"
 #include "interrupt.h"
-#include "text_file.h"
 
 #include <scrim/base/atomic_file.h>
 #include <scrim/base/error.h>
@@ -46,11 +45,14 @@ void makeAx(const std::vector<std::pair<std::string, std::string>>& parameters, 
         else if (name == "code")
             edit.programs = {{value, "code", ""}};
         else if (name == "ax_file")
-            edit.programs = {{textOf(value), value, value}};
+            edit.programs = {{axFileText(value), value, value}};
         else if (name == "resample")
             edit.resample = numbersOf(name, value).front();
         else
             edit.variables.push_back({name, numbersOf(name, value)});
+        if (!edit.variables.empty() && !edit.variables.back().isFinite())
+            throw Error(ErrorKind::usage, fmt::format("'{}={}': expected finite numbers that fit into floats", name,
+                                                      shortened(value, 80)));
     }
     edit.where = "make ax";
     if (file.empty() || (edit.programs.empty() && edit.resample == 1))

@@ -128,7 +128,8 @@ std::size_t parseSize(const std::string& text) {
     std::string bytes = text;
     std::size_t value = 0;
     try {
-        CLI::AsSizeValue(false)(bytes);
+        // CLI11 takes a unit alone for 1 of it.
+        if (bytes.find_first_of("0123456789") == 0) CLI::AsSizeValue(false)(bytes);
         std::from_chars(bytes.data(), bytes.data() + bytes.size(), value);
     } catch (const CLI::ValidationError&) {
     }

@@ -155,7 +155,12 @@ RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
         for (const std::string& path : {scene.output.file, scene.output.deep.file, scene.output.preview.file})
             checkWritable(path);
         for (const OutputFile& more : scene.output.files) checkWritable(more.file);
-        if (!scene.output.preview.file.empty()) pictureModulePath();
+        const ColourConfig& colour = input.shot().colour();
+        colour.requireConversion(scene.output.colorspace);
+        for (const OutputFile& more : scene.output.files) colour.requireConversion(more.colorspace);
+        if (scene.output.preview.file.empty()) return;
+        pictureModulePath();
+        colour.requireView(scene.output.preview.display, scene.output.preview.view);
     };
     return options;
 }

@@ -15,7 +15,9 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <exception>
+#include <iterator>
 #include <map>
+#include <string_view>
 #include <utility>
 
 namespace {
@@ -38,6 +40,8 @@ AxProblem problemFrom(std::string text) {
         if (problem.line > 0) text.erase(space);
     }
     for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at)) text.replace(at, 1, " ");
+    constexpr std::string_view kException = "AXCompilerError: ";
+    if (text.starts_with(kException)) text.erase(0, kException.size());
     if (text == "ed") text = "this is nested too deeply";  // what is left of bison's "memory exhausted"
     problem.text = std::move(text);
     problem.line = std::max(problem.line, 1);
@@ -131,6 +135,20 @@ std::vector<AxProblem> misuses(const ax::ast::Tree& tree, const std::vector<AxUs
     return problems;
 }
 
+/// Problems of functions that work on points only. The compiler refuses them without a name or a place.
+std::vector<AxProblem> pointCalls(const ax::ast::Tree& tree, Log& log) {
+    static constexpr std::string_view kNames[] = {"addtogroup", "deletepoint", "ingroup", "removefromgroup"};
+    std::vector<const ax::ast::FunctionCall*> calls;
+    ax::ast::collectNodeType<ax::ast::FunctionCall>(tree, calls);
+    for (const auto* call : calls) {
+        if (std::find(std::begin(kNames), std::end(kNames), call->name()) == std::end(kNames)) continue;
+        const AxProblem place = log.placeOf(*call);
+        return {{fmt::format("{}() works on points; expected functions of voxels", call->name()), place.line,
+                 place.column}};
+    }
+    return {};
+}
+
 /// True for an expression whose value is a whole number, as far as that can be seen. `whole`: names of variables.
 bool isWhole(const ax::ast::Node& node, const std::vector<std::string>& whole) {
     using ax::ast::Node;
@@ -213,6 +231,7 @@ scrim::AxCompiled compileParsed(const std::string& code, const std::vector<scrim
     if (!tree) return {nullptr, places.take()};
     std::vector<AxUse> uses = usesOf(*tree, places);
     if (auto problems = misuses(*tree, uses, variables, places); !problems.empty()) return {nullptr, problems};
+    if (auto problems = pointCalls(*tree, places); !problems.empty()) return {nullptr, problems};
     Log log;
     const auto sound = ax::ast::parse(code.c_str(), log.logger());
     avoidWholeExponents(*sound);

@@ -55,4 +55,10 @@ double AndersonMixing::step(std::vector<Real>& x, const std::vector<Real>& next)
     return length > 0 ? std::sqrt(m_product(residual, residual) / length) : 1;
 }
 
+std::size_t AndersonMixing::bytes() const {
+    std::size_t values = m_next.size() + 2 * m_residual.size();  // a step has a residual of its own
+    for (const Step& step : m_steps) values += step.next.size() + step.residual.size();
+    return values * sizeof(Real);
+}
+
 }  // namespace scrim

@@ -20,6 +20,9 @@ class AndersonMixing {
 
     /// Replaces x by the next iterate; `next` = G(x). Returns the length of that step, relative to the residual's.
     double step(std::vector<Real>& x, const std::vector<Real>& next);
+    /// What a step leaves here, and works with, at most: so many vectors like x.
+    static std::size_t vectors(std::size_t history) { return 2 * history + 3; }
+    std::size_t bytes() const;
 
   private:
     struct Step {

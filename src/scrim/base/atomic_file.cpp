@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/atomic_file.h>
 
+#include <scrim/base/file_identity.h>
 #include <scrim/base/system_error.h>
 
 #include <fcntl.h>
@@ -81,13 +82,13 @@ std::string hostName() {
 
 constexpr std::string_view kTempPrefix = ".scrim-";
 
-/// A hidden file name in the folder of `path`, different at each call. Host, process and count distinguish machines
-/// that share the folder.
-std::string tempPathFor(const std::filesystem::path& path) {
+/// A hidden file name in `folder`, different at each call. Host, process and count distinguish machines that share the
+/// folder.
+std::string tempPathIn(const std::filesystem::path& folder, const std::string& extension) {
     static std::atomic<unsigned> count{0};
     const std::string name =
-        fmt::format("{}{}-{}-{}{}", kTempPrefix, hostName(), ::getpid(), count.fetch_add(1), path.extension().string());
-    return (path.parent_path() / name).string();
+        fmt::format("{}{}-{}-{}{}", kTempPrefix, hostName(), ::getpid(), count.fetch_add(1), extension);
+    return (folder / name).string();
 }
 
 /// The writer of a temporary file, parsed from the file's name.
@@ -110,27 +111,34 @@ std::optional<TempWriter> writerIn(std::string_view name) {
     return writer;
 }
 
-/// True if the writer of a temporary file is gone. It held a lock while it was alive, but some file systems know no
-/// locks, or not those of other machines; then the file's age decides.
-bool isAbandoned(const std::string& path, const TempWriter& writer) {
+/// True if the writer of the temporary file `path`, open as `file`, is gone. It held a lock while it was alive, but
+/// some file systems know no locks, or not those of other machines; then the file's age decides.
+bool isAbandoned(int file, const TempWriter& writer) {
     constexpr std::time_t kDay = 24 * 60 * 60;
     struct stat status {};
-    const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-    if (file < 0) return false;
-    const bool locked = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-    const bool known = ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
-    ::close(file);
-    if (locked || !known) return false;
+    const int lockError = ::flock(file, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+    if (lockError == EWOULDBLOCK || ::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return false;
     if (std::time(nullptr) - status.st_mtime > kDay) return true;
-    const bool gone = writer.process == ::getpid() || (::kill(writer.process, 0) != 0 && errno == ESRCH);
-    return writer.host == hostName() && gone;
+    if (writer.host != hostName()) return false;
+    // A file of this process's number is this process's own, unless a lock would show that it is and does not.
+    return writer.process == ::getpid() ? lockError == 0 : ::kill(writer.process, 0) != 0 && errno == ESRCH;
 }
 
-void checkPlace(const std::string& path) {
-    if (path.empty()) throw cannotWrite(path, "the name is empty");
+void removeIfAbandoned(const std::string& path, const TempWriter& writer) {
+    const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (file < 0) return;
+    // It is removed while this process holds its lock: whoever gets the lock next sees that the file is gone.
+    if (isAbandoned(file, writer)) ::unlink(path.c_str());
+    ::close(file);
+}
+
+/// Locks a file that was just made, to show others that its writer is alive. False if it was taken for abandoned and
+/// removed before.
+bool lockNew(int file) {
+    while (::flock(file, LOCK_EX) != 0 && errno == EINTR) {
+    }
     struct stat status {};
-    if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
-        throw cannotWrite(path, S_ISDIR(status.st_mode) ? "it is a folder" : "it is not a regular file");
+    return ::fstat(file, &status) != 0 || status.st_nlink > 0;
 }
 
 /// Flushes `path` to disk. It is not an error if the file system cannot do that (EINVAL, ENOTSUP).
@@ -144,28 +152,46 @@ int syncFile(const std::string& path, int flags) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::string path) : m_path(std::move(path)) {
-    checkPlace(m_path);
+AtomicFile::AtomicFile(std::string path) : m_path(std::move(path)), m_target(linkTarget(m_path)) {
+    checkPlace();
     try {
         open();
     } catch (const Error&) {
         removeMadeFolders();
         throw;
     }
-    (void)::flock(m_file, LOCK_EX | LOCK_NB);  // shows others that this writer is alive
     m_slot = remember(m_tempPath);
+}
+
+void AtomicFile::checkPlace() {
+    if (m_path.empty()) throw cannotWrite(m_path, "the name is empty");
+    struct stat status {};
+    if (::stat(m_path.c_str(), &status) != 0) {
+        // The system refuses links that lead in a circle, and those of strangers in folders that all may write to.
+        if (errno == ELOOP || errno == EACCES) throw cannotWrite(m_path, errno);
+        return;
+    }
+    if (!S_ISREG(status.st_mode))
+        throw cannotWrite(m_path, S_ISDIR(status.st_mode) ? "it is a folder" : "it is not a regular file");
+    m_replaced = {status.st_mode, status.st_uid, status.st_gid};
 }
 
 void AtomicFile::open() {
     // The name may exist, as the leftover of a killed process whose id was reused. And the folder may have vanished,
     // together with the process that had made it and then wrote nothing.
     constexpr int kAttempts = 1000;
+    const mode_t mode = m_replaced ? 0600 : 0666;  // what few may read is shown to nobody else meanwhile
+    const std::filesystem::path folder = std::filesystem::path(m_target).parent_path();
+    const std::string extension = std::filesystem::path(m_path).extension().string();
     int error = EEXIST;
     for (int attempt = 0; attempt < kAttempts && (error == EEXIST || error == ENOENT); ++attempt) {
         makeFolders();
-        m_tempPath = tempPathFor(m_path);
-        m_file = aboveStandardStreams(::open(m_tempPath.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+        m_tempPath = tempPathIn(folder, extension);
+        m_file = aboveStandardStreams(::open(m_tempPath.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
         error = m_file < 0 ? errno : 0;
+        if (error != 0 || lockNew(m_file)) continue;
+        ::close(m_file);
+        error = ENOENT;
     }
     if (error != 0) throw cannotWrite(m_path, error);
 }
@@ -173,7 +199,7 @@ void AtomicFile::open() {
 /// Makes the file's folder, and the folders above it that are missing.
 void AtomicFile::makeFolders() {
     std::filesystem::path place;
-    for (const std::filesystem::path& part : std::filesystem::path(m_path).parent_path()) {
+    for (const std::filesystem::path& part : std::filesystem::path(m_target).parent_path()) {
         place /= part;
         struct stat status {};
         if (::stat(place.c_str(), &status) == 0) {
@@ -202,13 +228,25 @@ void AtomicFile::removeMadeFolders() noexcept {
     for (auto folder = m_madeFolders.rbegin(); folder != m_madeFolders.rend(); ++folder) ::rmdir(folder->c_str());
 }
 
+/// Some file systems have no owners or permissions; a file on them is complete all the same.
+void AtomicFile::handOnOwnership() const {
+    if (!m_replaced) return;
+    const auto keep = uid_t(-1);
+    mode_t mode = m_replaced->mode & (S_IRWXU | S_IRWXG | S_IRWXO);
+    if (::fchown(m_file, m_replaced->user, m_replaced->group) != 0 && ::fchown(m_file, keep, m_replaced->group) != 0)
+        // The file's group is another one now. Its members get what all others got.
+        mode = (mode & ~S_IRWXG) | (mode & S_IRWXO) << 3;
+    (void)::fchmod(m_file, mode);
+}
+
 void AtomicFile::commit() {
     assert(!m_committed);
     if (const int error = syncFile(m_tempPath, O_RDONLY)) throw cannotWrite(m_path, error);
-    if (::rename(m_tempPath.c_str(), m_path.c_str()) != 0) throw cannotWrite(m_path, errno);
+    handOnOwnership();
+    if (::rename(m_tempPath.c_str(), m_target.c_str()) != 0) throw cannotWrite(m_path, errno);
     m_committed = true;
     // The new name is on disk only after its folder has been flushed; if that fails, the file is still complete.
-    const std::string folder = std::filesystem::path(m_path).parent_path().string();
+    const std::string folder = std::filesystem::path(m_target).parent_path().string();
     syncFile(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
 }
 
@@ -219,7 +257,7 @@ void removeAbandonedFiles(const std::string& folder) noexcept {
         for (; !error && entry != end; entry.increment(error)) {
             const std::string name = entry->path().filename().string();
             const auto writer = writerIn(name);
-            if (writer && isAbandoned(entry->path().string(), *writer)) ::unlink(entry->path().c_str());
+            if (writer) removeIfAbandoned(entry->path().string(), *writer);
         }
     } catch (const std::exception&) {  // removing leftovers is optional
     }

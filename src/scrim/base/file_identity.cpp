@@ -10,7 +10,7 @@ namespace scrim {
 
 FileIdentity identityOf(const std::string& path) {
     std::error_code error;
-    std::filesystem::path place = std::filesystem::absolute(path, error), rest;
+    std::filesystem::path place = std::filesystem::absolute(linkTarget(path), error), rest;
     for (;;) {
         struct stat status {};
         if (::stat(place.c_str(), &status) == 0)
@@ -20,6 +20,18 @@ FileIdentity identityOf(const std::string& path) {
         rest = rest.empty() ? place.filename() : place.filename() / rest;
         place = place.parent_path();
     }
+}
+
+std::string linkTarget(const std::string& path) {
+    constexpr int kMostLinks = 40;  // as Linux has it
+    std::filesystem::path place = path;
+    for (int links = 0; links <= kMostLinks; ++links) {
+        std::error_code isNone;
+        const std::filesystem::path next = std::filesystem::read_symlink(place, isNone);
+        if (isNone) return place.string();
+        place = place.parent_path() / next;
+    }
+    return path;
 }
 
 }  // namespace scrim

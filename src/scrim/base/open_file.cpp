@@ -4,12 +4,14 @@
 #include <scrim/base/error.h>
 #include <scrim/base/system_error.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 namespace scrim {
 
@@ -26,6 +28,21 @@ OpenFile::OpenFile(const std::string& path)
         m_problem = "is not a file";
     else
         m_size = static_cast<std::uint64_t>(status.st_size);
+}
+
+std::string bytesOf(const std::string& path) {
+    const Descriptor file(aboveStandardStreams(::open(path.c_str(), O_RDONLY | O_CLOEXEC)));
+    std::string bytes;
+    std::array<char, 65536> part;
+    ssize_t got = file.fd() < 0 ? -1 : 1;
+    while (got > 0 || (got < 0 && errno == EINTR)) {
+        got = ::read(file.fd(), part.data(), part.size());
+        if (got > 0) bytes.append(part.data(), std::size_t(got));
+    }
+    if (got < 0)
+        throw Error(kindOfSystemError(errno, ErrorKind::input),
+                    fmt::format("{}: cannot be read: {}", shortened(path), systemErrorText(errno)));
+    return bytes;
 }
 
 }  // namespace scrim

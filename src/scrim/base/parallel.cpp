@@ -39,19 +39,38 @@ class FlushDenormals {
 
 std::function<void(std::size_t, double, double, double)> loopSink;
 
+/// True on a thread that runs a task of a watched loop.
+thread_local bool inWatchedTask = false;
+
 void runTasks(std::size_t count, const std::function<void(std::size_t)>& task) {
     if (count == 1) {
         const FlushDenormals flush;
         return task(0);
     }
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, count, 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            const FlushDenormals flush;
-            for (std::size_t i = range.begin(); i != range.end(); ++i) task(i);
-        },
-        tbb::simple_partitioner());
+    // A thread that waits for this loop within a task of another must not begin one more task of that: memory that
+    // belongs to the thread would then belong to two tasks at once.
+    tbb::this_task_arena::isolate([&] {
+        tbb::parallel_for(
+            tbb::blocked_range<std::size_t>(0, count, 1),
+            [&](const tbb::blocked_range<std::size_t>& range) {
+                const FlushDenormals flush;
+                for (std::size_t i = range.begin(); i != range.end(); ++i) task(i);
+            },
+            tbb::simple_partitioner());
+    });
 }
+
+// Marks the thread while it runs a task.
+class InWatchedTask {
+  public:
+    InWatchedTask() : m_before(std::exchange(inWatchedTask, true)) {}
+    ~InWatchedTask() { inWatchedTask = m_before; }
+    InWatchedTask(const InWatchedTask&) = delete;
+    InWatchedTask& operator=(const InWatchedTask&) = delete;
+
+  private:
+    bool m_before;
+};
 
 // Loops inside of the tasks are not reported separately.
 void runWatched(std::size_t count, const std::function<void(std::size_t)>& task) {
@@ -59,25 +78,24 @@ void runWatched(std::size_t count, const std::function<void(std::size_t)>& task)
     const auto since = [](Clock::time_point begin) {
         return std::chrono::duration<double>(Clock::now() - begin).count();
     };
-    const auto sink = std::exchange(loopSink, nullptr);
     std::vector<double> seconds(count);
     const auto begin = Clock::now();
     runTasks(count, [&](std::size_t i) {
+        const InWatchedTask mark;
         const auto taskBegin = Clock::now();
         task(i);
         seconds[i] = since(taskBegin);
     });
     const double wall = since(begin);
     if (count > 0)
-        sink(count, wall, std::accumulate(seconds.begin(), seconds.end(), 0.0),
-             *std::max_element(seconds.begin(), seconds.end()));
-    loopSink = sink;
+        loopSink(count, wall, std::accumulate(seconds.begin(), seconds.end(), 0.0),
+                 *std::max_element(seconds.begin(), seconds.end()));
 }
 
 }  // namespace
 
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task) {
-    if (loopSink) return runWatched(count, task);
+    if (loopSink && !inWatchedTask) return runWatched(count, task);
     runTasks(count, task);
 }
 

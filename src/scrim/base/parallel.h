@@ -14,7 +14,8 @@ namespace scrim {
 
 /// Calls `task(i)` once for every i in [0, count), in any order and on any thread. A task should take at least some
 /// microseconds; it runs with denormal floats flushed to zero. The first exception thrown by a task is rethrown after
-/// the others have stopped.
+/// the others have stopped. May be called from within a task: its thread then runs no other task of the outer loop
+/// before the inner loop has ended, so that a task may keep memory of its thread (thread_local) meanwhile.
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task);
 
 inline constexpr std::size_t kParallelChunk = 2048;  ///< of parallelChunks
@@ -40,6 +41,7 @@ double parallelSum(std::size_t count, const Term& term) {
 
 /// For benchmarks: calls `sink` at the end of every later loop with its number of tasks and the seconds that the loop,
 /// all its tasks together and the longest of them took. An empty `sink` ends that. Must not be called while loops run.
+/// `sink` is called from the thread of each loop, at once where loops run side by side.
 void watchLoops(std::function<void(std::size_t tasks, double wall, double work, double longest)> sink);
 
 /// The number of threads that `parallelFor` may use at this point.

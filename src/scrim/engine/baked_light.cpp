@@ -12,6 +12,7 @@
 #include <scrim/engine/splat/plane_stack.h>
 #include <scrim/engine/transport/scattered_light.h>
 #include <scrim/scene/field_rays.h>
+#include <scrim/volume/block_index.h>
 
 #include <algorithm>
 #include <array>
@@ -32,18 +33,18 @@ Int3 voxelOf(const Int3& origin, int offset) {
     return origin + Int3(offset / (kBlockEdge * kBlockEdge), offset / kBlockEdge % kBlockEdge, offset % kBlockEdge);
 }
 
-// The number of blocks of a field whose tiles are divided into blocks.
-double blocksOf(const SparseField& field) {
-    double count = double(field.blockCount());
-    for (const ConstantTile& tile : field.tiles) count += std::pow(double(tile.edge / kBlockEdge), 3);
-    return count;
-}
-
 void report(const ProgressSink& progress, double done) {
     if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the bake was interrupted");
 }
 
 BakedVolume emptyBake(const SparseField& field) {
+    // Each of 6 KB a light, so that no machine has memory for more.
+    constexpr double kMostBlocks = double(std::size_t{1} << 27);
+    if (const double blocks = dividedBlocks(field); blocks > kMostBlocks)
+        throw Error(ErrorKind::memory,
+                    fmt::format("grid '{}' has {:.3g} voxels, with those in constant regions; at most {:.3g} can be "
+                                "baked",
+                                field.name, kBlockVoxels * blocks, kBlockVoxels * kMostBlocks));
     BakedVolume out;
     for (std::size_t b = 0; b < field.blockCount(); ++b) {
         std::bitset<kBlockVoxels> active;
@@ -358,7 +359,7 @@ std::size_t limitBeside(const ViewScene& scene, const std::vector<bool>& wanted,
     for (const ViewVolume& volume : scene.volumes) {
         std::size_t grids = (scattered && !volume.classified ? 1 : 0) + (indirect && scattersFully(volume) ? 4 : 0);
         for (std::size_t l = 0; l < scene.lights.size(); ++l) grids += wanted[l] && litBy(volume.lights, l) ? 1 : 0;
-        bytes += blocksOf(*volume.field) * double(grids * kBlockFloats * sizeof(float));
+        bytes += dividedBlocks(*volume.field) * double(grids * kBlockFloats * sizeof(float));
     }
     if (bytes >= double(scene.memoryLimit))
         throw Error(ErrorKind::memory,

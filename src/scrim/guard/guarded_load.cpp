@@ -38,8 +38,6 @@ namespace {
 /// Bytes of memory allowed per byte of a file. OpenVDB's trees take some 35 times their smallest compressed size, and
 /// the field made from them comes on top.
 constexpr std::size_t kMemoryPerByte = 64;
-/// With less than this, the reader itself would take a sound small file for a damaged one.
-constexpr std::size_t kLeastGivenMemory = std::size_t{1} << 30;
 constexpr std::uint64_t kSlowestBytesPerSecond = 1 << 20;  // the speed of a busy network drive
 
 /// The limits on a file beyond those that depend on its size: several times what sound files need.
@@ -62,7 +60,7 @@ static_assert(kMostGridFiles - 1 <= kMostDescriptors - kMore);
 
 LoadLimits limitsFor(const Kind& kind, std::uint64_t bytes, const LoadOptions& options) {
     LoadLimits limits;
-    limits.memory = options.memory > 0 ? std::max(options.memory, kLeastGivenMemory)
+    limits.memory = options.memory > 0 ? std::max(options.memory, LoadOptions::kLeastMemory)
                                        : std::max<std::size_t>(kind.leastMemory, kMemoryPerByte * bytes);
     limits.patience = kind.patience + std::chrono::seconds(bytes / kSlowestBytesPerSecond);
     return limits;
@@ -171,7 +169,7 @@ auto received(const std::string& path, const Receive& receive) {
         const std::string text = error.what();
         if (text.starts_with("what was read is incomplete"))
             throw Error(error.kind(), fmt::format("{}: damaged: {}", path, text));
-        if (text.ends_with(kClaimsMemory) && limitsMemory(kLeastGivenMemory))
+        if (text.ends_with(kClaimsMemory) && limitsMemory(LoadOptions::kLeastMemory))
             throw Error(ErrorKind::memory,
                         fmt::format("{}: not enough memory to read it; raise the limit (ulimit -v)", path));
         if (text.starts_with("cannot hand over")) throw Error(error.kind(), fmt::format("{}: {}", path, text));

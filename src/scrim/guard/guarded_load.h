@@ -37,6 +37,8 @@ class GuardedFields {
     /// `checkpoint` every few milliseconds.
     std::vector<SparseField> take(const MessageSink& messages, const Checkpoint& checkpoint);
 
+    /// Bytes that the child may take.
+    std::size_t memory() const { return m_job.memory(); }
     const std::string& path() const { return m_path; }
     const std::vector<GridRequest>& requests() const { return m_requests; }
     const std::optional<GridEdit>& edit() const { return m_edit; }

@@ -50,6 +50,8 @@ class LoadJob {
     /// the job is destroyed before that, the child ends, too.
     void wait(const Checkpoint& checkpoint);
 
+    std::size_t memory() const { return m_limits.memory; }
+
   private:
     std::string m_path;
     LoadLimits m_limits;

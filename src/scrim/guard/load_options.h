@@ -18,9 +18,12 @@ enum class VolumeLoading {
 };
 
 struct LoadOptions {
+    /// With less than this, the reader itself would take a sound small file for a damaged one.
+    static constexpr std::size_t kLeastMemory = std::size_t{1} << 30;
+
     VolumeLoading volumes = VolumeLoading::plain;
     std::string loader = {};  ///< guarded: path of the program `scrim-load`; "": the one installed with this library
-    /// Guarded: bytes that the child may take, at least 1 GB; 0: a limit that depends on the file's size.
+    /// Guarded: bytes that the child may take, at least kLeastMemory; 0: a limit that depends on the file's size.
     std::size_t memory = 0;
     bool showStderr = false;  ///< guarded: shows what the child writes to stderr
 };

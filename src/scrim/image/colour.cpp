@@ -5,6 +5,7 @@
 #include <scrim/base/letter_case.h>
 #include <scrim/base/parallel.h>
 #include <scrim/image/aces_config.h>
+#include <scrim/image/colour_ring.h>
 #include <scrim/image/known_spaces.h>
 
 #include <OpenColorIO/OpenColorIO.h>
@@ -29,6 +30,15 @@ struct ColourConfig::Opened {
 
     /// The config's name in error messages.
     std::string described() const { return fmt::format("the OpenColorIO config '{}'", name); }
+
+    /// What converts colours. Throws an Error of kind `input`.
+    OCIO::ConstCPUProcessorRcPtr conversion(const std::string& from, const std::string& to,
+                                            OCIO::OptimizationFlags flags = OCIO::OPTIMIZATION_DEFAULT) const;
+    OCIO::ConstCPUProcessorRcPtr view(const std::string& display, const std::string& view) const;
+
+  private:
+    OCIO::ConstCPUProcessorRcPtr processor(const std::string& what, const OCIO::ConstTransformRcPtr& transform,
+                                           OCIO::OptimizationFlags flags) const;
 };
 
 namespace {
@@ -104,6 +114,32 @@ std::string chosen(const std::vector<std::string>& names, const std::string& nam
 
 }  // namespace
 
+OCIO::ConstCPUProcessorRcPtr ColourConfig::Opened::processor(const std::string& what,
+                                                             const OCIO::ConstTransformRcPtr& transform,
+                                                             OCIO::OptimizationFlags flags) const {
+    return translated(what, [&] {
+        refuseRing(*config, described(), transform);
+        return config->getProcessor(transform)->getOptimizedCPUProcessor(flags);
+    });
+}
+
+OCIO::ConstCPUProcessorRcPtr ColourConfig::Opened::conversion(const std::string& from, const std::string& to,
+                                                              OCIO::OptimizationFlags flags) const {
+    const auto transform = OCIO::ColorSpaceTransform::Create();
+    transform->setSrc(from.c_str());
+    transform->setDst(to.c_str());
+    return processor(fmt::format("cannot convert from '{}' to '{}'", from, to), transform, flags);
+}
+
+OCIO::ConstCPUProcessorRcPtr ColourConfig::Opened::view(const std::string& display, const std::string& view) const {
+    const auto transform = OCIO::DisplayViewTransform::Create();
+    transform->setSrc(workingSpace.c_str());
+    transform->setDisplay(display.c_str());
+    transform->setView(view.c_str());
+    return processor(fmt::format("cannot make the view '{}' of display '{}'", view, display), transform,
+                     OCIO::OPTIMIZATION_DEFAULT);
+}
+
 ColourConfig::ColourConfig(std::shared_ptr<const Opened> opened) : m_opened(std::move(opened)) {}
 
 ColourConfig ColourConfig::open(const std::string& ocioFile) {
@@ -177,10 +213,7 @@ Rgb ColourConfig::toWorking(const Rgb& colour, const std::string& space) const {
     const std::string from = resolve(space);
     if (from == workingSpace()) return colour;
     float rgb[3] = {static_cast<float>(colour.r), static_cast<float>(colour.g), static_cast<float>(colour.b)};
-    translated(fmt::format("cannot convert from '{}' to '{}'", from, workingSpace()), [&] {
-        const auto processor = m_opened->config->getProcessor(from.c_str(), workingSpace().c_str());
-        processor->getOptimizedCPUProcessor(OCIO::OPTIMIZATION_LOSSLESS)->applyRGB(rgb);
-    });
+    m_opened->conversion(from, workingSpace(), OCIO::OPTIMIZATION_LOSSLESS)->applyRGB(rgb);
     return {rgb[0], rgb[1], rgb[2]};
 }
 
@@ -204,23 +237,25 @@ void ColourConfig::convert(Image& image, const std::string& fromSpace, const std
     const std::string from = resolve(fromSpace);
     const std::string to = resolve(toSpace);
     if (from == to) return;
-    const auto processor = translated(fmt::format("cannot convert from '{}' to '{}'", from, to), [&] {
-        return m_opened->config->getProcessor(from.c_str(), to.c_str())->getDefaultCPUProcessor();
-    });
+    const auto processor = m_opened->conversion(from, to);
     if (processor->isNoOp()) return;
     forPixelRuns(image.window.pixelCount(), [&](std::size_t first, std::size_t count) {
         applyToColour(*processor, image.rgba.data() + 4 * first, count);
     });
 }
 
+void ColourConfig::requireView(const std::string& display, const std::string& view) const {
+    const std::string toDisplay = resolvedDisplay(display);
+    m_opened->view(toDisplay, resolvedView(toDisplay, view));
+}
+
+void ColourConfig::requireConversion(const std::string& toSpace) const {
+    if (const std::string to = resolve(toSpace); to != workingSpace()) m_opened->conversion(workingSpace(), to);
+}
+
 Image ColourConfig::displayed(const Image& working, const std::string& display, const std::string& view) const {
     const std::string toDisplay = resolvedDisplay(display);
-    const std::string toView = resolvedView(toDisplay, view);
-    const auto processor = translated(fmt::format("cannot make the view '{}' of display '{}'", toView, toDisplay), [&] {
-        return m_opened->config
-            ->getProcessor(workingSpace().c_str(), toDisplay.c_str(), toView.c_str(), OCIO::TRANSFORM_DIR_FORWARD)
-            ->getDefaultCPUProcessor();
-    });
+    const auto processor = m_opened->view(toDisplay, resolvedView(toDisplay, view));
     Image out = working;
     forPixelRuns(out.window.pixelCount(), [&](std::size_t first, std::size_t count) {
         applyToColour(*processor, out.rgba.data() + 4 * first, count);

@@ -67,6 +67,10 @@ class ColourConfig {
     /// The same without clamping and rounding: display-encoded floats, for look-up tables. Alpha stays unchanged.
     Image displayed(const Image& working, const std::string& display, const std::string& view) const;
 
+    /// Throw what `displayImage` and `convert` from the working space would throw: for use before a render.
+    void requireView(const std::string& display, const std::string& view) const;
+    void requireConversion(const std::string& toSpace) const;
+
     /// The active displays, the active views of a display, and the config's defaults.
     std::vector<std::string> displays() const;
     std::vector<std::string> views(const std::string& display) const;

@@ -266,6 +266,11 @@ void checkVolume(const Check& check, const SceneVolume& volume) {
     check.members(d, volume);
     check.ramp(d.ramp, volume.ramp, std::numeric_limits<double>::max(), [](double v) { return std::pair(v, v); });
     if (volume.velocity) check.members(keysOf<VelocityKeys>(), *volume.velocity);
+    if (volume.edit)
+        for (const AxVariable& variable : volume.edit->variables)
+            if (!variable.isFinite())
+                check.refuse(variable.name, fmt::format("{}", fmt::join(variable.value, ", ")),
+                             "finite numbers that fit into floats");
     checkShading(check, volume);
     checkMedium(check, volume);
     for (const HalfSpace& face : volume.clip) check.unit(keysOf<VolumeKeys>().clipPlane, face.normal);

@@ -9,8 +9,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 namespace scrim {
 namespace {
@@ -28,9 +26,7 @@ std::string readCodeFile(const TomlValue& value, const std::string& path) {
     if (!std::filesystem::is_regular_file(path, error)) value.fail(fmt::format("'{}' is not a file", path));
     if (std::filesystem::file_size(path, error) > kLongestCode)
         value.fail(fmt::format("'{}' is larger than 1 MB; expected code in OpenVDB AX", path));
-    std::ifstream file(path, std::ios::binary);
-    std::string text{std::istreambuf_iterator<char>(file), {}};
-    if (!file) value.fail(fmt::format("'{}' cannot be read", path));
+    std::string text = located(value, [&] { return axFileText(path); });
     if (text.find('\0') != std::string::npos) value.fail(fmt::format("'{}' is not text", path));
     return text;
 }
@@ -75,11 +71,13 @@ std::vector<AxVariable> readVariables(TomlTable& table, const ReadContext& conte
             if (value.name() == kFrame || value.name() == kTime)
                 value.fail(fmt::format("${} is the frame's own; expected a parameter of another name", value.name()));
             seeded = seeded || value.name() == kSeed;
-            if (mentions(value.name()))
+            if (mentions(value.name())) {
                 variables.push_back({value.name(), readVariable(value, context.wholeFrame)});
-            else if (volume.source.empty())
+                if (!variables.back().isFinite()) value.failExpecting("numbers that fit into floats");
+            } else if (volume.source.empty()) {
                 value.fail(
                     fmt::format("the expression does not use '${0}'; expected it there, or no '{0}'", value.name()));
+            }
         }
     }
     if (mentions(kSeed) && !seeded) variables.push_back({kSeed, {0}});

@@ -50,6 +50,7 @@ Noise readNoise(const TomlValue& value, const std::string& of, const ReadContext
     const NoiseKeys& k = keysOf<NoiseKeys>();
     TomlTable table = value.table(fmt::format("'{}' of {}", value.name(), of));
     Noise noise;
+    noise.where = value.where();
     table.read(k, context.wholeFrame, noise);
     if (const auto offset = table.find(k.offset)) noise.offset = offset->vec3At(context.wholeFrame);
     table.finish();

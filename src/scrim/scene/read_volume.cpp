@@ -59,6 +59,7 @@ void readFrame(TomlTable table, const ReadContext& context, SceneVolume& volume)
 void readDensity(TomlTable table, const ReadContext& context, SceneVolume& volume) {
     const DensityKeys& d = keysOf<DensityKeys>();
     volume.densityGrid = table.string(d.grid);
+    if (const auto grid = table.find(d.grid)) volume.densityWhere = grid->where();
     table.read(d, context.frame, volume);
     readDensityShading(table, context, volume.shading);
     if (const auto ramp = table.find(d.ramp)) {

@@ -75,7 +75,8 @@ struct Noise {
     Vec3 offset{0};          ///< displaces the pattern, in world units
     double evolution = 0;    ///< changes the pattern in place; 1 makes a pattern that has nothing in common
     int seed = 0;
-    bool inWorld = false;  ///< places are those of the scene, not of the asset
+    bool inWorld = false;    ///< places are those of the scene, not of the asset
+    std::string where = {};  ///< where the scene gives it: "scene.toml:12:8"
 
     bool operator==(const Noise&) const = default;
 };
@@ -183,6 +184,7 @@ struct SceneVolume {
     std::vector<HalfSpace> clip = {};                ///< the volume ends at their faces; in the asset's own world
     Mat4 wsFromAsset{1.0};                           ///< maps the asset's own world space to the scene's
     std::string densityGrid;                         ///< a name as VdbFile::field takes it; "": the reader chooses
+    std::string densityWhere = {};                   ///< where the scene names it; "": it does not
     double densityScale = 1;                         ///< extinction per world unit = ramp(grid value) * densityScale
     /// Maps grid values (ascending) to values; constant outside; empty: no ramp.
     std::vector<std::pair<double, double>> ramp;

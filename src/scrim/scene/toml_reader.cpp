@@ -136,10 +136,10 @@ Rgb TomlValue::colour(const ColourConfig& config) const {
     table.finish();
     const TomlValue rgb = table.require(k.rgb);
     const TomlValue space = table.require(k.colorspace);
+    const Rgb given = components(rgb, kColourForm);
     try {
-        return config.toWorking(components(rgb, kColourForm), space.string());
+        return config.toWorking(given, space.string());
     } catch (const Error& error) {
-        if (config.hasSpace(space.string())) throw;
         space.fail(error.what());
     }
 }

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -145,7 +146,7 @@ std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, const
         use.where = where;
     };
     if (usesDensity(volume)) {
-        add({volume.densityGrid}, "");
+        add({volume.densityGrid}, volume.densityWhere);
         for (int c = 0; volume.albedoGrid && c < 3; ++c) add(albedoRequest(volume, c), volume.albedoGrid->where);
     }
     if (usesDensity(volume) && volume.shading.mask) add({volume.shading.mask->grid}, volume.shading.mask->where);
@@ -293,17 +294,33 @@ void FieldStore::dropKnown(Uses& uses) const {
     std::erase_if(uses, [](const auto& entry) { return entry.second.empty(); });
 }
 
-void FieldStore::readAhead(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf) {
+void FieldStore::readAhead(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf,
+                           std::size_t memory) {
     if (m_options.volumes != VolumeLoading::guarded) return;
     Uses uses = usesOf(scene, files, shownOf(scene, files, culledOf(scene, files), volumesOf));
     dropKnown(uses);
     m_ahead.clear();
+    std::erase_if(uses, [](const auto& entry) { return entry.first[0] != kFile; });
+    std::size_t readers = uses.size();
+    LoadOptions each = m_options;
+    if (memory > 0) {
+        // A reader may take its limit twice: for what its library makes of the file, and for what it hands over.
+        readers = std::min(readers, memory / (2 * LoadOptions::kLeastMemory));
+        if (readers == 0) return;
+        const std::size_t share = memory / (2 * readers);
+        each.memory = each.memory == 0 ? share : std::min(each.memory, share);
+    }
     for (const auto& [origin, missing] : uses) {
-        if (origin[0] != kFile) continue;
+        if (m_ahead.size() == readers) break;
         std::vector<GridRequest> requests;
         for (const Use& use : missing) requests.push_back(use.request);
-        m_ahead.emplace_back(origin[1], requests, m_options, missing.front().edit.get());
+        m_ahead.emplace_back(origin[1], requests, each, missing.front().edit.get());
     }
+}
+
+std::size_t FieldStore::memoryAhead() const {
+    return std::accumulate(m_ahead.begin(), m_ahead.end(), std::size_t{0},
+                           [](std::size_t sum, const GuardedFields& fields) { return sum + 2 * fields.memory(); });
 }
 
 Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf) {

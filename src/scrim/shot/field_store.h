@@ -47,8 +47,11 @@ class FieldStore {
     Fields fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf = VolumesOf::picture);
 
     /// Starts child processes that read what `fieldsOf` with the same arguments would load from files; it then takes
-    /// over their results. Errors and messages appear only then. Does nothing unless loading is guarded.
-    void readAhead(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf);
+    /// over their results. Errors and messages appear only then. Does nothing unless loading is guarded. All children
+    /// together may take `memory` bytes (0: no limit); what that does not suffice for is not read ahead.
+    void readAhead(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf, std::size_t memory);
+    /// Bytes that the children of `readAhead` may take together.
+    std::size_t memoryAhead() const;
 
     /// One field of a file; it is kept for the next `fieldsOf`.
     std::shared_ptr<const SparseField> fieldOf(const std::string& path, const GridRequest& request);

@@ -88,14 +88,25 @@ FieldPointer mappedField(const SparseField& field, const Map& map) {
     return std::make_shared<SparseField>(buildField(std::move(pieces)));
 }
 
-/// The blocks that the field may touch after it has moved by at most `reach` voxels along each axis.
-std::vector<Int3> blocksWithin(const SparseField& field, const BlockIndex& index, const Vec3& reach) {
+/// The blocks that the field may touch after the noise has moved it by at most `reach` voxels along each axis.
+std::vector<Int3> blocksWithin(const SparseField& field, const BlockIndex& index, const Noise& noise,
+                               const Vec3& reach) {
     std::vector<Int3> found;
+    if (dividedBlocks(field) > double(kMostBlocks)) tooLarge(field);
+    const auto refuse = [&] {
+        throw Error(
+            ErrorKind::input,
+            fmt::format("{}{}displacement by {:g} spreads grid '{}' over more than {} million voxels; expected a "
+                        "smaller 'amount'",
+                        noise.where, noise.where.empty() ? "" : ": ", noise.amount, field.name,
+                        kMostBlocks * kBlockVoxels / 1000000));
+    };
     const auto add = [&](const Int3& origin, int edge) {
-        const Int3 low = Int3(glm::floor(Vec3(origin) - reach - 1.0)) >> 3;
-        const Int3 high = Int3(glm::ceil(Vec3(origin + (edge - 1)) + reach + 1.0)) >> 3;
-        const Vec3 size(high - low + 1);
-        if (size.x * size.y * size.z > double(kMostBlocks)) tooLarge(field);
+        const Vec3 first = glm::floor((Vec3(origin) - reach - 1.0) / double(kBlockEdge));
+        const Vec3 last = glm::floor(glm::ceil(Vec3(origin + (edge - 1)) + reach + 1.0) / double(kBlockEdge));
+        const Vec3 size = last - first + 1.0;
+        if (!(size.x * size.y * size.z <= double(kMostBlocks))) refuse();
+        const Int3 low(first), high(last);
         for (int x = low.x; x <= high.x; ++x)
             for (int y = low.y; y <= high.y; ++y)
                 for (int z = low.z; z <= high.z; ++z)
@@ -104,7 +115,7 @@ std::vector<Int3> blocksWithin(const SparseField& field, const BlockIndex& index
     const auto unite = [&] {
         std::sort(found.begin(), found.end(), originLess);
         found.erase(std::unique(found.begin(), found.end()), found.end());
-        if (found.size() > kMostBlocks) tooLarge(field);
+        if (found.size() > kMostBlocks) refuse();
     };
     for (const ConstantTile& tile : field.tiles) {
         add(tile.origin, tile.edge);
@@ -151,7 +162,7 @@ FieldPointer displacedField(const FieldPointer& field, const Noise& noise, const
     FieldPieces pieces;
     pieces.name = field->name;
     pieces.wsFromIs = field->wsFromIs;
-    pieces.blockOrigins = blocksWithin(*field, from.index(), reach);
+    pieces.blockOrigins = blocksWithin(*field, from.index(), noise, reach);
     const std::vector<Int3> origins = pieces.blockOrigins;
     const NoiseBlocks patterns[3]{{noise, placeFromIs, 0}, {noise, placeFromIs, 1}, {noise, placeFromIs, 2}};
     pieces.fill = [&](std::size_t b, float* to) {

@@ -222,10 +222,12 @@ void Shot::Content::readAhead(const RenderOptions& options, const LoadedShot& lo
     // makes.
     constexpr std::size_t kFieldsBeside = 3;
     const std::size_t bytes = kFieldsBeside * bytesOf(loaded.fields) + loaded.slideBytes + buffers;
-    if (options.memory > 0 && bytes > options.memory) return;
+    if (options.memory > 0 && bytes >= options.memory) return;
+    const std::size_t beside = bytesOf(loaded.fields) + loaded.slideBytes + buffers;
+    const std::size_t left = options.memory > 0 ? options.memory - beside : 0;
     try {
         const Scene next = text->at(*options.next, stores->colour);
-        stores->fields.readAhead(next, stores->fields.filesOf(next), volumesOf);
+        stores->fields.readAhead(next, stores->fields.filesOf(next), volumesOf, left);
     } catch (const Error&) {
         // The error occurs again, and is reported, when its frame is rendered.
     }

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -43,7 +44,10 @@ struct Solids::Traced {
     std::vector<Vec3> wsPoints;
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<const Solid*> solidOf;  // for each triangle
-    RTCScene scene = nullptr;
+    struct Release {
+        void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+    };
+    std::unique_ptr<RTCSceneTy, Release> scene;  // released also where the constructor throws
 
     Traced(const std::vector<Solid>& solids, SolidRole role) {
         for (const Solid& solid : solids)
@@ -51,9 +55,6 @@ struct Solids::Traced {
         if (triangles.empty()) return;
         wsMiddle = wsBounds.center();
         build();
-    }
-    ~Traced() {
-        if (scene != nullptr) rtcReleaseScene(scene);
     }
     Traced(const Traced&) = delete;
     Traced& operator=(const Traced&) = delete;
@@ -71,8 +72,8 @@ struct Solids::Traced {
     }
 
     void build() {
-        scene = rtcNewScene(device());
-        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // rays must not slip through between two triangles
+        scene.reset(rtcNewScene(device()));
+        rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);  // rays must not slip through between two triangles
         RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
         auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), wsPoints.size()));
@@ -88,9 +89,9 @@ struct Solids::Traced {
         for (std::size_t i = 0; i < triangles.size(); ++i)
             for (std::size_t k = 0; k < 3; ++k) corners[3 * i + k] = triangles[i][k];
         rtcCommitGeometry(geometry);
-        rtcAttachGeometry(scene, geometry);
+        rtcAttachGeometry(scene.get(), geometry);
         rtcReleaseGeometry(geometry);
-        rtcCommitScene(scene);
+        rtcCommitScene(scene.get());
         if (const RTCError error = rtcGetDeviceError(device()); error != RTC_ERROR_NONE)
             throw Error(error == RTC_ERROR_OUT_OF_MEMORY ? ErrorKind::memory : unlessLimited(ErrorKind::render),
                         fmt::format("Embree could not take the meshes (error {})", static_cast<int>(error)));
@@ -151,7 +152,7 @@ SolidHit Solids::trace(SolidRole role, const Vec3& wsOrigin, const Vec3& wsDirec
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcIntersect1(traced.scene, &context, &query);
+    rtcIntersect1(traced.scene.get(), &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {kInfinity};
     const double near = from + static_cast<double>(query.ray.tfar) / length;
     const Vec3 normal = traced.normal(query.hit.primID);

@@ -2,6 +2,7 @@
 #include <scrim/volume/block_index.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -84,6 +85,12 @@ bool BlockIndex::anyIn(const Bounds& is) const {
                glm::all(glm::greaterThanEqual(Vec3(place.tile->origin + (place.tile->edge - 1)), is.lower)));
     });
     return any;
+}
+
+double dividedBlocks(const SparseField& field) {
+    double count = double(field.blockCount());
+    for (const ConstantTile& tile : field.tiles) count += std::pow(double(tile.edge / kBlockEdge), 3);
+    return count;
 }
 
 }  // namespace scrim

@@ -139,4 +139,7 @@ void BlockIndex::visit(const Int3& lower, const Int3& upper, const Visit& visit)
                     visitPage({x, y, z}, m_entries[page]);
 }
 
+/// The number of blocks that a field has if its tiles are divided into blocks; more than there is memory for, perhaps.
+double dividedBlocks(const SparseField& field);
+
 }  // namespace scrim

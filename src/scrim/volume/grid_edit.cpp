@@ -2,12 +2,15 @@
 #include <scrim/volume/grid_edit.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/open_file.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <string_view>
 
 namespace scrim {
 namespace {
@@ -46,6 +49,17 @@ bool isNamePart(char c) {
 }
 
 }  // namespace
+
+bool AxVariable::isFinite() const {
+    return std::all_of(value.begin(), value.end(), [](double v) { return std::isfinite(static_cast<float>(v)); });
+}
+
+std::string axFileText(const std::string& path) {
+    constexpr std::string_view kMark = "\xef\xbb\xbf";
+    std::string text = bytesOf(path);
+    if (text.starts_with(kMark)) text.erase(0, kMark.size());
+    return text;
+}
 
 std::string AxCode::placeOf(int axLine, int axColumn) const {
     if (file.empty()) return fmt::format("{}: line {}, column {}", where, axLine, axColumn);

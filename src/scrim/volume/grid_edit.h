@@ -18,6 +18,8 @@ struct AxVariable {
     std::string name;           ///< "wind" for v$wind
     std::vector<double> value;  ///< one number or three
 
+    /// True for numbers that AX, which computes in floats, can hold.
+    bool isFinite() const;
     bool operator==(const AxVariable&) const = default;
 };
 
@@ -35,6 +37,9 @@ struct AxCode {
     /// "scene.toml:9:3".
     std::string placeOf(int axLine, int axColumn) const;
 };
+
+/// The code in a file. Editors may begin it with UTF-8's mark, which is no part of it. Throws Error(input).
+std::string axFileText(const std::string& path);
 
 /// A grid that is put together from grids of files.
 struct CombinedGrid {

@@ -92,6 +92,9 @@ TEST_F(Ax, MistakesHaveAPlaceInTheScene) {
     expectError("ax_file = 'none.ax'", "scene.toml:8:11: there is no file 'none.ax'");
     write("wrong.ax", "f@density = 1;\n f@density = ;");
     expectError("ax_file = 'wrong.ax'", "scene.toml:8:11: wrong.ax:2:14: unexpected SEMICOLON");
+    for (const std::string name : {"addtogroup", "deletepoint", "ingroup", "removefromgroup"})
+        expectError("ax = '''f@density = 1; " + name + (name == "deletepoint" ? "()" : "(\"g\")") + ";'''",
+                    "scene.toml:8:24: " + name + "() works on points; expected functions of voxels");
     scene("");
     expectFailure({"render", "scene.toml", "-o", "out.exr", "--set", "volume.volume1.ax=f@density=;"}, 3,
                   "--set volume.volume1.ax: line 1, column 11: unexpected SEMICOLON");
@@ -99,6 +102,39 @@ TEST_F(Ax, MistakesHaveAPlaceInTheScene) {
                 "scene.toml:8:8: 'clip' is a list of 2; expected two points, each coordinate of the second above that "
                 "of the first");
     expectError("resample = 99", "scene.toml:8:12: 'resample' is 99; expected a number from 0.125 to 16");
+}
+
+TEST_F(Ax, FilesOfCodeThatCannotBeReadAreNamed) {
+    expectError("ax_file = '/proc/self/mem'",
+                "scene.toml:8:11: 'ax_file': /proc/self/mem: cannot be read: Input/output error");
+    std::filesystem::create_directory(file("folder.ax"));
+    expectError("ax_file = 'folder.ax'", "scene.toml:8:11: 'folder.ax' is not a file");
+    const auto make = [&](const std::string& code, const std::string& reason) {
+        expectFailure({"make", "ax", "file=smoke.vdb", "ax_file=" + code, "-o", "c.vdb"}, 3, reason);
+    };
+    make("folder.ax", "folder.ax: cannot be read: Is a directory");
+    make("none.ax", "none.ax: cannot be read: No such file or directory");
+}
+
+TEST_F(Ax, AMarkOfUtf8BeforeTheCodeIsNoPartOfIt) {
+    write("marked.ax",
+          "\xef\xbb\xbf"
+          "f@density *= 3;");
+    EXPECT_EQ(picture("ax_file = 'marked.ax'"), picture("density = { scale = 3 }"));
+    runWell({"make", "ax", "file=smoke.vdb", "ax_file=marked.ax", "-o", "c.vdb", "-q"});
+    write("wrong.ax",
+          "\xef\xbb\xbf"
+          "f@density = ;");
+    expectError("ax_file = 'wrong.ax'", "scene.toml:8:11: wrong.ax:1:13: unexpected SEMICOLON");
+}
+
+TEST_F(Ax, ParametersAreFinite) {
+    for (const std::string value : {"nan", "inf", "-inf", "1e39", "1,nan,3"})
+        expectFailure({"make", "ax", "file=smoke.vdb", "code=f@density *= length(v$k);", "k=" + value, "-o", "c.vdb"},
+                      2, "'k=" + value + "': expected finite numbers that fit into floats");
+    expectError("ax = 'f@density *= $k;'\nparameters = { k = 1e39 }",
+                "scene.toml:9:20: 'k' is 1e+39; expected numbers that fit into floats");
+    expectError("ax = 'f@density *= $k;'\nparameters = { k = nan }", "scene.toml:9:20: 'k' is nan; expected a number");
 }
 
 TEST_F(Ax, APlanAsJsonSaysWhatAnExpressionCosts) {

@@ -63,7 +63,10 @@ TEST_F(CliErrors, UnknownGridListsThoseThereAre) {
                               {.name = "speed", .type = "vec3s", .voxels = {{{0, 0, 0}, 1}}}});
     write("grid.toml", kCamera + "[[volume]]\nfile = \"two.vdb\"\ndensity = { grid = \"smoke\" }\n");
     expectFailure({"render", "grid.toml"}, kInput,
-                  "two.vdb: no grid 'smoke'; it holds 'fuel' (float), 'speed' (vec3s)");
+                  "grid.toml:8:20: two.vdb: no grid 'smoke'; it holds 'fuel' (float), 'speed' (vec3s)");
+    expectFailure({"render", "two.vdb", "-q", "--set", "volume.two.density.grid=smoke"}, kInput,
+                  "--set volume.two.density.grid: two.vdb: no grid 'smoke'; it holds 'fuel' (float), 'speed' "
+                  "(vec3s)");
 }
 
 /// A grid of a type that is no density.
@@ -91,7 +94,8 @@ TEST_F(CliErrors, NamedGridOfAnotherTypeIsRefusedWithTheUsableOnes) {
                               {.name = "id", .type = "int32", .voxels = {{{0, 0, 0}, 1}}}});
     write("grid.toml", kCamera + "[[volume]]\nfile = \"two.vdb\"\ndensity = { grid = \"id\" }\n");
     expectFailure({"render", "grid.toml"}, kInput,
-                  "two.vdb: grid 'id' holds int32 values, where a float, half or double grid is expected; of those "
+                  "grid.toml:8:20: two.vdb: grid 'id' holds int32 values, where a float, half or double grid is "
+                  "expected; of those "
                   "there is 'fuel'");
 }
 
@@ -168,6 +172,8 @@ TEST_F(CliErrors, ZeroResolutionOfASceneIsLocated) {
 TEST_F(CliErrors, ZeroResolutionOfTheCommandLineIsUsage) {
     expectFailure({"render", "scene.toml", "--res", "0x24"}, kUsage,
                   "--res 0x24: expected WIDTHxHEIGHT, each from 1 to 65536 pixels");
+    expectFailure({"render", "scene.toml", "--res", "\u00b2x1"}, kUsage,
+                  "--res \u00b2x1: expected WIDTHxHEIGHT, each from 1 to 65536 pixels");
 }
 
 TEST_F(CliErrors, TextThatIsNotUtf8IsLocated) {
@@ -237,6 +243,19 @@ TEST_F(CliErrors, UnreadableOcioConfigIsNamed) {
     EXPECT_FALSE(exists("scene.exr"));
 }
 
+TEST_F(CliErrors, OcioConfigThatRefersToItselfIsRefusedBeforeTheRender) {
+    write("ring.ocio",
+          "ocio_profile_version: 1\nroles: {scene_linear: lin, default: lin}\n"
+          "displays:\n  d: [!<View> {name: v, colorspace: a}]\n"
+          "colorspaces:\n  - !<ColorSpace> {name: lin}\n"
+          "  - !<ColorSpace> {name: a, from_reference: !<ColorSpaceTransform> {src: lin, dst: a}}\n");
+    const std::string ring = "in the OpenColorIO config 'ring.ocio' the colour space 'a' refers to itself";
+    expectFailure({"render", "scene.toml", "--ocio", "ring.ocio", "--preview", "p.png"}, kInput,
+                  "cannot make the view 'v' of display 'd': " + ring);
+    expectFailure({"render", "scene.toml", "--ocio", "ring.ocio", "--set", "output.colorspace=a"}, kInput,
+                  "cannot convert from 'lin' to 'a': " + ring);
+}
+
 TEST_F(CliErrors, UnreadableOcioConfigOfTheEnvironmentIsNoSilentFallback) {
     write("bad.ocio", "nonsense");
     const ProgramResult result = run({"render", "scene.toml"}, {.environment = {{"OCIO", file("bad.ocio")}}});
@@ -303,8 +322,9 @@ TEST_F(CliErrors, CropThatIsNoneIsUsage) {
 }
 
 TEST_F(CliErrors, MemoryThatIsNoSizeIsUsage) {
-    expectFailure({"render", "scene.toml", "--memory", "8X"}, kUsage,
-                  "--memory 8X: expected a size such as 8G, 512M, 64K, or a number of bytes");
+    for (const std::string text : {"8X", "G", "", " ", "-1", "0", "1.5G", "\u00b2G", "nan", "99999999999999999999G"})
+        expectFailure({"render", "scene.toml", "--memory", text}, kUsage,
+                      "--memory " + text + ": expected a size such as 8G, 512M, 64K, or a number of bytes");
 }
 
 TEST_F(CliErrors, UnknownParameterOfASourceListsThem) {

@@ -11,6 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 namespace scrim::cli {
 namespace {
 
@@ -97,6 +99,30 @@ TEST_F(FieldStoreTest, GivesAllGridsOfAVolume) {
     EXPECT_GT(bytesOf(all), 6 * 512 * sizeof(float));
 }
 
+TEST_F(FieldStoreTest, ReadersOfTheNextFrameShareTheMemoryThatIsLeft) {
+    constexpr std::size_t kGigabyte = std::size_t{1} << 30;
+    for (const char* name : {"b", "c"}) {
+        const SceneVolume& another = scene.volumes.emplace_back(volume());
+        scene.volumes.back().file = path() + name + ".vdb";
+        std::filesystem::copy_file(path(), another.file);
+    }
+    store.listen({VolumeLoading::guarded}, {}, {});
+    const auto ahead = [&](std::size_t memory) {
+        store.readAhead(scene, store.filesOf(scene), VolumesOf::scene, memory);
+        return store.memoryAhead();
+    };
+    const std::size_t unlimited = ahead(0);
+    EXPECT_GT(unlimited, 20 * kGigabyte);
+    EXPECT_EQ(ahead(100 * kGigabyte), 100 * kGigabyte / 6 * 6);
+    EXPECT_EQ(ahead(7 * kGigabyte), 7 * kGigabyte / 6 * 6);
+    EXPECT_EQ(ahead(5 * kGigabyte), 5 * kGigabyte / 4 * 4) << "the third would have too little to read anything";
+    EXPECT_EQ(ahead(2 * kGigabyte), 2 * kGigabyte);
+    EXPECT_EQ(ahead(2 * kGigabyte - 1), 0u);
+    EXPECT_EQ(ahead(1), 0u);
+    EXPECT_EQ(ahead(7 * kGigabyte), 7 * kGigabyte / 6 * 6);
+    EXPECT_EQ(fields().size(), 3u) << "and what they read is taken";
+}
+
 TEST_F(FieldStoreTest, LeavesGridsThatNothingIsMadeOf) {
     volume().densityScale = 0;
     volume().densityGrid = "missing";
@@ -136,6 +162,8 @@ TEST_F(FieldStoreTest, SaysWhereAGridIsAskedForThatIsNotThere) {
         << failure();
     volume().densityGrid = "rho";
     EXPECT_EQ(failure(), path() + ": no grid 'rho'; it holds " + list);
+    volume().densityWhere = "s.toml:4:9";
+    EXPECT_EQ(failure(), "s.toml:4:9: " + path() + ": no grid 'rho'; it holds " + list);
 }
 
 TEST_F(FieldStoreTest, SaysOnceWhatIsWrongWithAGreyColour) {

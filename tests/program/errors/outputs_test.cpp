@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -97,6 +98,21 @@ TEST_F(Outputs, AreNeverOneAnother) {
     expectRefusal({"render", "scene.toml", "-o", "old.exr", "--preview", "p.png"},
                   "'p.png' would be written twice, for the picture of scene.toml and for the preview of scene.toml");
     EXPECT_EQ(readBytes(file("old.exr")), "old");
+}
+
+TEST_F(Outputs, GoWhereLinksLead) {
+    std::filesystem::create_directory(file("real"));
+    std::filesystem::create_symlink("real/v2.exr", file("latest.exr"));
+    std::filesystem::create_symlink("real/v2.exr", file("twin.png"));
+    write("real/.scrim-host-1-0.exr", "left by a writer that was killed");
+    std::filesystem::last_write_time(file("real/.scrim-host-1-0.exr"),
+                                     std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
+    expectRefusal({"render", "scene.toml", "-o", "latest.exr", "--preview", "twin.png"},
+                  "'twin.png' would be written twice, for the picture of scene.toml and for the preview of scene.toml");
+    runWell({"render", "scene.toml", "-o", "latest.exr"});
+    EXPECT_TRUE(std::filesystem::is_symlink(file("latest.exr")));
+    EXPECT_TRUE(std::filesystem::is_regular_file(file("real/v2.exr")));
+    EXPECT_FALSE(exists("real/.scrim-host-1-0.exr"));
 }
 
 TEST_F(Outputs, OfMakeAreVolumesAndNotItsInput) {

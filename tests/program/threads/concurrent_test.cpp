@@ -3,6 +3,7 @@
 // threads. Each must come out as it does alone. Also built with the thread sanitizer (tests/run.sh --threads).
 #include "support/fields.h"
 
+#include <scrim/base/parallel.h>
 #include <scrim/verify/verify.h>
 
 #include <tbb/global_control.h>
@@ -66,6 +67,17 @@ TEST_F(SideBySide, RendersAreAsEachAlone) {
         for (std::thread& host : hosts) host.join();
         for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(together[i], alone[i]) << "render " << i;
     }
+}
+
+TEST_F(SideBySide, RendersWithinTasksOfALoopAreAsEachAlone) {
+    const std::vector<Job> all = jobs();
+    std::vector<std::vector<float>> alone;
+    for (const Job& job : all) alone.push_back(rendered(job));
+    constexpr std::size_t kTimes = 3;
+    std::vector<std::vector<float>> nested(kTimes * all.size());
+    TaskArena(4).run(
+        [&] { parallelFor(nested.size(), [&](std::size_t i) { nested[i] = rendered(all[i % all.size()]); }); });
+    for (std::size_t i = 0; i < nested.size(); ++i) EXPECT_EQ(nested[i], alone[i % all.size()]) << "render " << i;
 }
 
 TEST_F(SideBySide, AVerificationBesideARenderIsAsAlone) {

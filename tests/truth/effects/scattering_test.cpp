@@ -2,6 +2,7 @@
 // Light that scatters more than once: the path tracer against closed forms, the solver against closed forms and the
 // path tracer, which share no code.
 #include "scenes.h"
+#include "support/meshes.h"
 #include "support/slides.h"
 #include "support/verified.h"
 
@@ -20,10 +21,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include <glm/geometric.hpp>
+#include <malloc.h>
 
 namespace scrim::test {
 namespace {
@@ -570,6 +574,78 @@ TEST(MultipleScattering, CostsNothingWhereNobodyAsksForIt) {
     EXPECT_EQ(frame.work.shade.scattered, 0u);
     EXPECT_EQ(frame.work.bytes.scattered, 0u);
 }
+
+TEST(MultipleScattering, CountsItsMemoryBesideThatOfTheSweeps) {
+    const ViewScene scene = smoke(0.3, 0.95, 0.3, {1, -1, 0});
+    ViewScene once = scene;
+    once.volumes[0].medium.scattering = Scattering::single;
+    const RenderWork::Bytes all = renderScene(scene).work.bytes, sweeps = renderScene(once).work.bytes;
+    EXPECT_GT(all.scattered, 0u);
+    EXPECT_EQ(all.shadows, sweeps.shadows);
+    EXPECT_EQ(all.picture, sweeps.picture);
+    EXPECT_GT(all.total(), std::max(all.scattered, sweeps.total()));
+}
+
+#ifndef SCRIM_SANITIZED  // sanitizers have an allocator of their own
+
+// Bytes of this process that are allocated.
+std::size_t allocated() {
+    const struct mallinfo2 all = ::mallinfo2();
+    return all.uordblks + all.hblkhd;
+}
+
+// Lights of many points, layers with a solve each, narrow phase functions with more directions, media that scatter
+// once, and walls that send light back: all that takes memory.
+std::map<std::string, ViewScene> hungryScenes() {
+    std::map<std::string, ViewScene> all;
+    const ViewScene even = smoke(0.3, 0.95, 0, {1, -1, 0});
+    all["even"] = even;
+    ViewScene& points = all["even, many points"] = even;
+    for (int i = 0; i < 4; ++i) {
+        Light disk = distantLight({1, -1, 0.2 * i}, 1);
+        disk.kind = Light::Distant(30);
+        disk.samples = 40;
+        points.lights.push_back(disk);
+    }
+    ViewScene& layers = all["even, layers"] = points;
+    layers.layers = {Layer::light, Layer::indirect, Layer::ambient};
+    layers.ambient = Rgb(0.1);
+    ViewScene& directions = all["even, 256 directions"] = even;
+    directions.dials.scatterDirections = 256;
+    for (const double g : {0.5, 0.75, 0.9}) all["g = " + std::to_string(g)] = smoke(0.3, 0.95, g, {1, -1, 0});
+    ViewScene& narrow = all["g = 0.5, many points"] = points;
+    for (ViewVolume& volume : narrow.volumes) volume.medium.phase.g = 0.5;
+    ViewScene& box = all["a box, g = 0.5, many points"] = narrow;
+    box.volumes = orthographicScene(boxField({-20, -20, -20}, {19, 19, 19}), narrow.volumes[0].medium, 44, 48).volumes;
+    ViewScene& evenBox = all["a box, many points"] = box;
+    evenBox.volumes[0].medium.phase.g = 0;
+    const Solid wall{"wall", squareMesh({0, 0, 3}, {0, 0, 1}, 15), Mat4(1.0), false, true, false, Rgb(0.8)};
+    for (const std::string name : {"even, many points", "g = 0.5, many points"}) {
+        ViewScene& walled = all[name + ", a wall"] = all.at(name);
+        walled.solids = std::make_shared<const Solids>(std::vector<Solid>{wall});
+    }
+    ViewScene& mixed = all["g = 0.5, another scatters once"] = narrow;
+    mixed.volumes.push_back(mixed.volumes.front());
+    mixed.volumes.back().medium.scattering = Scattering::single;
+    return all;
+}
+
+TEST(MultipleScattering, TakesNoMoreMemoryThanThePlanSays) {
+    for (const auto& [name, scene] : hungryScenes()) {
+        const TransportPlan plan = planTransport(scene);
+        const std::size_t before = allocated();
+        std::size_t most = 0, told = 0;
+        Solved solved;
+        const auto look = [&] { most = std::max(most, allocated() - before); };
+        const auto light = scatteredLight(scene, plan, {}, look, solved, told);
+        EXPECT_LE(most, plan.bytes) << name;
+        // What is not told are a sweep's small vectors. The plan only estimates how many cells there are.
+        EXPECT_GT(double(told), 0.9 * double(most)) << name;
+        EXPECT_LT(double(told), 1.1 * double(plan.bytes)) << name;
+    }
+}
+
+#endif
 
 TEST(MultipleScattering, OfACropIsThatOfTheWhole) {
     ViewScene scene = smoke(0.3, 0.95, 0.3, {1, -1, 0});

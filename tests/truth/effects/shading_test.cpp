@@ -9,6 +9,7 @@
 #include <scrim/shot/shaded_field.h>
 #include <scrim/volume/field_sampler.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -161,6 +162,17 @@ TEST(Noise, EvolvesWithoutJumpsAndKeepsItsStrength) {
     EXPECT_NEAR(after(-0.000001), after(0.000001), 1e-5);
     EXPECT_NEAR(after(0.5), std::numbers::sqrt2 / 2 * (after(0) + after(1)), 1e-6);
     EXPECT_NE(after(0), after(1));
+}
+
+TEST(DisplacedField, SaysThatTheAmountIsTooLarge) {
+    const auto field = makeField(kLower, kUpper, 0.5, [](const Vec3&) { return 1.0; });
+    for (const double amount : {1e3, 1e9, 1e15, 1e300}) {
+        const Noise noise{.amount = amount, .where = "s.toml:8:16"};
+        EXPECT_EQ(errorOf(ErrorKind::input, [&] { displacedField(field, noise, Mat4(1.0)); }),
+                  fmt::format("s.toml:8:16: displacement by {:g} spreads grid '{}' over more than 1073 million voxels; "
+                              "expected a smaller 'amount'",
+                              amount, field->name));
+    }
 }
 
 TEST(DisplacedField, IsTheFieldAtThePlaceThatNoiseLeadsTo) {

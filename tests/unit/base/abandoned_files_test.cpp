@@ -4,13 +4,27 @@
 #include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
+
+namespace {
+bool knowsLocks = true;
+}
+
+/// The whole program's flock, by which a test plays a file system without locks.
+extern "C" int flock(int file, int operation) noexcept {
+    if (knowsLocks) return static_cast<int>(::syscall(SYS_flock, file, operation));
+    errno = ENOLCK;
+    return -1;
+}
 
 namespace scrim {
 namespace {
@@ -51,6 +65,15 @@ TEST(AbandonedFiles, StayWhileTheirWriterHoldsThem) {
     const AtomicFile pending(folder.file("a.exr"));
     put(pending.tempPath(), std::chrono::hours(100));
     removeAbandonedFiles(folder.path());
+    EXPECT_TRUE(std::filesystem::exists(pending.tempPath()));
+}
+
+TEST(AbandonedFiles, OfThisProcessStayWhereThereAreNoLocks) {
+    const test::TempFolder folder;
+    knowsLocks = false;
+    const AtomicFile pending(folder.file("a.exr"));
+    removeAbandonedFiles(folder.path());
+    knowsLocks = true;
     EXPECT_TRUE(std::filesystem::exists(pending.tempPath()));
 }
 

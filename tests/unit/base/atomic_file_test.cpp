@@ -7,6 +7,7 @@
 #include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
+#include <grp.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -151,6 +152,114 @@ TEST(AtomicFile, RefusesToReplaceWhatIsNoRegularFile) {
     EXPECT_EQ(errorOfOpening(folder.path()), "cannot write '" + folder.path() + "': it is a folder");
     EXPECT_EQ(errorOfOpening("/dev/null"), "cannot write '/dev/null': it is not a regular file");
     EXPECT_EQ(errorOfOpening(""), "cannot write '': the name is empty");
+}
+
+struct stat statusOf(const std::string& path) {
+    struct stat status {};
+    EXPECT_EQ(::stat(path.c_str(), &status), 0) << path;
+    return status;
+}
+
+/// The permissions of the file at `path`, in octal digits.
+std::string modeOf(const std::string& path) {
+    std::ostringstream digits;
+    digits << std::oct << (statusOf(path).st_mode & 07777);
+    return digits.str();
+}
+
+TEST(AtomicFile, HandsOnPermissions) {
+    const test::TempFolder folder;
+    const std::string path = folder.file("a.exr");
+    put(path, "old");
+    for (const mode_t mode : {0600, 0640, 0664, 0777, 0444}) {
+        ::chmod(path.c_str(), mode);
+        const std::string before = modeOf(path);
+        AtomicFile file(path);
+        EXPECT_EQ(modeOf(file.tempPath()), "600") << "nobody else reads it meanwhile";
+        put(file.tempPath(), "new");
+        file.commit();
+        EXPECT_EQ(modeOf(path), before);
+    }
+    EXPECT_EQ(content(path), "new");
+}
+
+TEST(AtomicFile, GivesNewFilesThePermissionsOfTheUsersMask) {
+    const test::TempFolder folder;
+    const mode_t mask = ::umask(027);
+    writeWholeFile(folder.file("a.exr"), "new");
+    ::umask(mask);
+    EXPECT_EQ(modeOf(folder.file("a.exr")), "640");
+}
+
+TEST(AtomicFile, HandsOnOwners) {
+    if (::geteuid() != 0) GTEST_SKIP() << "only root gives files away";
+    const test::TempFolder folder;
+    const std::string path = folder.file("a.exr");
+    put(path, "old");
+    ASSERT_EQ(::chown(path.c_str(), 4321, 1234), 0);
+    ::chmod(path.c_str(), 0640);
+    writeWholeFile(path, "new");
+    EXPECT_EQ(statusOf(path).st_uid, 4321u);
+    EXPECT_EQ(statusOf(path).st_gid, 1234u);
+    EXPECT_EQ(modeOf(path), "640");
+}
+
+TEST(AtomicFile, OpensToNoGroupWhatAnotherGroupMayRead) {
+    if (::geteuid() != 0) GTEST_SKIP() << "only root can play two users";
+    const test::TempFolder folder;
+    const std::string path = folder.file("a.exr");
+    put(path, "old");
+    ::chmod(path.c_str(), 0660);
+    ::chmod(folder.path().c_str(), 0777);
+    const pid_t child = ::fork();
+    if (child == 0) {
+        const bool dropped = ::setgroups(0, nullptr) == 0 && ::setgid(65534) == 0 && ::setuid(65534) == 0;
+        if (dropped) writeWholeFile(path, "new");
+        ::_exit(dropped ? 0 : 1);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    ASSERT_EQ(status, 0);
+    EXPECT_EQ(content(path), "new");
+    EXPECT_EQ(statusOf(path).st_gid, 65534u);
+    EXPECT_EQ(modeOf(path), "600");
+}
+
+TEST(AtomicFile, WritesThroughSymbolicLinks) {
+    const test::TempFolder folder;
+    std::filesystem::create_directory(folder.file("real"));
+    put(folder.file("real/a.exr"), "old");
+    std::filesystem::create_symlink("real/a.exr", folder.file("one.exr"));
+    std::filesystem::create_symlink(folder.file("one.exr"), folder.file("two.exr"));
+    {
+        AtomicFile file(folder.file("two.exr"));
+        EXPECT_EQ(std::filesystem::path(file.tempPath()).parent_path(), folder.file("real")) << "it is renamed there";
+        put(file.tempPath(), "new");
+        file.commit();
+    }
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.file("one.exr")));
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.file("two.exr")));
+    EXPECT_FALSE(std::filesystem::is_symlink(folder.file("real/a.exr")));
+    EXPECT_EQ(content(folder.file("real/a.exr")), "new");
+}
+
+TEST(AtomicFile, MakesTheFileToWhichALinkLeads) {
+    const test::TempFolder folder;
+    std::filesystem::create_symlink("no/such/b.exr", folder.file("a.exr"));
+    { const AtomicFile pending(folder.file("a.exr")); }
+    EXPECT_EQ(folder.entryCount(), 1u) << "the link alone";
+    writeWholeFile(folder.file("a.exr"), "new");
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.file("a.exr")));
+    EXPECT_EQ(content(folder.file("no/such/b.exr")), "new");
+}
+
+TEST(AtomicFile, RefusesLinksThatLeadInACircle) {
+    const test::TempFolder folder;
+    std::filesystem::create_symlink("b.exr", folder.file("a.exr"));
+    std::filesystem::create_symlink("a.exr", folder.file("b.exr"));
+    EXPECT_EQ(errorOfOpening(folder.file("a.exr")),
+              "cannot write '" + folder.file("a.exr") + "': Too many levels of symbolic links");
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.file("a.exr")));
 }
 
 TEST(AtomicFile, CommitSaysWhyItFailed) {

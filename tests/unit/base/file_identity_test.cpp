@@ -34,6 +34,8 @@ TEST_F(Identity, IsOneForAllNamesOfAFile) {
 TEST_F(Identity, IsOneForAllNamesOfAFileThatIsNotThere) {
     EXPECT_EQ(of("inner/new"), of("link/new"));
     EXPECT_EQ(of("inner/new/deep/x"), of("link/./new/deep/../deep/x"));
+    std::filesystem::create_symlink("link/new", m_folder.file("dangling"));
+    EXPECT_EQ(of("inner/new"), of("dangling"));
     EXPECT_NE(of("inner/new"), of("new"));
     EXPECT_NE(of("inner/new"), of("inner"));
     EXPECT_NE(of("inner/new"), of("inner/other"));

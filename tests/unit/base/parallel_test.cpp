@@ -37,6 +37,23 @@ TEST(ParallelFor, MayBeNested) {
     EXPECT_EQ(calls, 35);
 }
 
+// Waits for the end of an inner loop are what a scheduler likes to fill with other tasks of the outer one.
+TEST(ParallelFor, ATaskThatWaitsForALoopOfItsOwnKeepsItsThreadsMemory) {
+    const tbb::global_control many(tbb::global_control::max_allowed_parallelism, 8);  // on however few processors
+    static thread_local int tasksOfThisThread = 0;
+    std::atomic<int> most{0};
+    TaskArena(8).run([&] {
+        parallelFor(400, [&](std::size_t) {
+            const int now = ++tasksOfThisThread;
+            for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) {
+            }
+            parallelFor(8, [](std::size_t i) { std::this_thread::sleep_for(std::chrono::microseconds(20 * i)); });
+            --tasksOfThisThread;
+        });
+    });
+    EXPECT_EQ(most, 1);
+}
+
 TEST(ParallelFor, RethrowsWhatATaskThrows) {
     for (const std::size_t count : {1u, 2u, 500u}) {
         std::string text;
@@ -136,6 +153,28 @@ TEST(Parallel, TellsABenchmarkOfEachLoopAndItsTasks) {
     EXPECT_EQ(loops, (std::vector<std::size_t>{3, 1}));
     EXPECT_GE(longest, 0.02);
     EXPECT_GE(work, longest + 0.004);
+}
+
+TEST(Parallel, TellsABenchmarkOfOuterLoopsThatRunSideBySide) {
+    const tbb::global_control many(tbb::global_control::max_allowed_parallelism, 8);
+    std::mutex mutex;
+    std::multiset<std::size_t> loops;
+    watchLoops([&](std::size_t tasks, double, double, double) {
+        const std::lock_guard lock(mutex);
+        loops.insert(tasks);
+    });
+    std::multiset<std::size_t> expected;
+    std::vector<std::thread> hosts;
+    for (std::size_t host = 0; host < 4; ++host) {
+        for (int round = 0; round < 50; ++round) expected.insert(10 + host);
+        hosts.emplace_back([host] {
+            for (int round = 0; round < 50; ++round)
+                parallelFor(10 + host, [](std::size_t) { parallelFor(3, [](std::size_t) {}); });
+        });
+    }
+    for (std::thread& host : hosts) host.join();
+    watchLoops({});
+    EXPECT_EQ(loops, expected);
 }
 
 TEST(TaskArena, OfZeroIsTheCallers) {

@@ -315,5 +315,128 @@ TEST(ColourConfig, MissingLookUpFileIsAnError) {
     EXPECT_NE(text.find("missing.spi1d"), std::string::npos) << text;
 }
 
+/// A config of a few spaces, looks and views, and of the YAML that a test adds.
+struct ConfigParts {
+    std::string spaces = {}, looks = {}, named = {};
+    std::string viewTransform = "!<MatrixTransform> {}";
+    std::string shown = "lin";  ///< the space of the view
+
+    std::string text() const {
+        return "ocio_profile_version: 2\nenvironment: {SPACE: a}\n"
+               "roles: {scene_linear: lin, default: lin, other: a}\n"
+               "displays:\n  d:\n    - !<View> {name: v, colorspace: " +
+               shown +
+               ", looks: good}\n    - !<View> {name: through, view_transform: t, display_colorspace: disp}\n"
+               "looks:\n  - !<Look> {name: good, process_space: lin, transform: !<MatrixTransform> {}}\n" +
+               looks + "view_transforms:\n  - !<ViewTransform> {name: t, from_scene_reference: " + viewTransform +
+               "}\n" + named +
+               "display_colorspaces:\n  - !<ColorSpace> {name: disp}\n"
+               "colorspaces:\n  - !<ColorSpace> {name: lin}\n" +
+               spaces;
+    }
+};
+
+std::string ocioSpace(const std::string& name, const std::string& from) {
+    return "  - !<ColorSpace> {name: " + name + ", from_scene_reference: " + from + "}\n";
+}
+
+std::string ocioStep(const std::string& from, const std::string& to) {
+    return "!<ColorSpaceTransform> {src: " + from + ", dst: " + to + "}";
+}
+
+/// What showing a pixel in a view of `parts` says, without the config's name.
+std::string errorOfView(const ConfigParts& parts, const std::string& view) {
+    const test::TempFolder folder;
+    std::ofstream(folder.file("c.ocio")) << parts.text();
+    const ColourConfig colour = ColourConfig::open(folder.file("c.ocio"));
+    const std::string text = errorOf([&] { colour.displayImage(onePixel(1, 1, 1, 1), "d", view); });
+    EXPECT_EQ(errorOf([&] { colour.requireView("d", view); }), text);
+    const std::string start = "cannot make the view '" + view + "' of display 'd': in the OpenColorIO config '" +
+                              folder.file("c.ocio") + "' ";
+    return text.rfind(start, 0) == 0 ? text.substr(start.size()) : text;
+}
+
+TEST(ColourConfig, SpacesThatReferToThemselvesAreNamed) {
+    const std::string itself = "the colour space 'a' refers to itself";
+    const std::string group =
+        "!<GroupTransform> {children: [!<GroupTransform> {children: [" + ocioStep("lin", "a") + "]}]}";
+    const std::string looked = "!<LookTransform> {src: lin, dst: lin, looks: ";
+    const std::string lookOfA = "  - !<Look> {name: l, process_space: a, transform: !<MatrixTransform> {}}\n";
+    for (const std::string& from : {ocioStep("lin", "a"), ocioStep("a", "lin"), ocioStep("a", "a"),
+                                    ocioStep("lin", "A"), ocioStep("lin", "other"), ocioStep("lin", "$SPACE"), group,
+                                    std::string("!<LookTransform> {src: lin, dst: a, looks: good}"), looked + "l}",
+                                    looked + "\"missing, +l\"}", looked + "\"good | -l\"}", looked + "\"good:l\"}",
+                                    std::string("!<DisplayViewTransform> {src: lin, display: d, view: v}")})
+        EXPECT_EQ(errorOfView({.spaces = ocioSpace("a", from), .looks = lookOfA, .shown = "a"}, "v"), itself) << from;
+    EXPECT_EQ(errorOfView({.spaces = "  - !<ColorSpace> {name: a, from_scene_reference: !<MatrixTransform> {}, "
+                                     "to_scene_reference: " +
+                                     ocioStep("a", "lin") + "}\n",
+                           .shown = "a"},
+                          "v"),
+              itself);
+    EXPECT_EQ(errorOfView({.spaces = ocioSpace("a", ocioStep("lin", "b")) + ocioSpace("b", ocioStep("lin", "c")) +
+                                     ocioSpace("c", ocioStep("lin", "a")),
+                           .shown = "a"},
+                          "v"),
+              "the colour space 'a' refers to itself by way of the colour space 'b', the colour space 'c'");
+}
+
+TEST(ColourConfig, LooksAndTransformsThatReferToThemselvesAreNamed) {
+    const std::string look = "!<LookTransform> {src: lin, dst: lin, looks: l}";
+    EXPECT_EQ(errorOfView({.spaces = ocioSpace("a", look),
+                           .looks = "  - !<Look> {name: l, process_space: lin, inverse_transform: " + look + "}\n",
+                           .shown = "a"},
+                          "v"),
+              "the look 'l' refers to itself");
+    EXPECT_EQ(
+        errorOfView(
+            {.spaces = ocioSpace("a", ocioStep("n", "lin")),
+             .named = "named_transforms:\n  - !<NamedTransform> {name: n, transform: " + ocioStep("n", "lin") + "}\n",
+             .shown = "a"},
+            "v"),
+        "the named transform 'n' refers to itself");
+    const std::string shows = "!<DisplayViewTransform> {src: lin, display: d, view: through}";
+    for (const std::string& transform : {ocioStep("lin", "disp"), shows})
+        EXPECT_EQ(errorOfView({.viewTransform = transform}, "through"), "the view transform 't' refers to itself");
+    // The one space is of the scene, the other of the display: OpenColorIO takes the view transform between them.
+    EXPECT_EQ(errorOfView({.viewTransform = ocioStep("lin", "disp"), .shown = "disp"}, "v"),
+              "the view transform 't' refers to itself");
+}
+
+TEST(ColourConfig, ChainsOfSpacesEndBeforeTheStackDoes) {
+    const auto chain = [](int count) {
+        std::string spaces;
+        for (int i = 0; i < count; ++i)
+            spaces += ocioSpace("c" + std::to_string(i), ocioStep("lin", "c" + std::to_string(i + 1)));
+        return ConfigParts{.spaces = spaces + "  - !<ColorSpace> {name: c" + std::to_string(count) + "}\n",
+                           .shown = "c0"};
+    };
+    EXPECT_EQ(errorOfView(chain(900), "v"), "no error");
+    EXPECT_EQ(errorOfView(chain(1100), "v"), "the colour space 'c0' leads through more than 1000 spaces and looks");
+}
+
+TEST(ColourConfig, RingsBesideTheWayOfAConversionDoNotMatter) {
+    EXPECT_EQ(errorOfView({.spaces = ocioSpace("a", ocioStep("lin", "a"))}, "v"), "no error");
+    // Two ways to one space are no ring.
+    EXPECT_EQ(errorOfView({.spaces = ocioSpace("a", "!<GroupTransform> {children: [" + ocioStep("lin", "b") + ", " +
+                                                        ocioStep("b", "lin") + "]}") +
+                                     ocioSpace("b", "!<MatrixTransform> {}"),
+                           .shown = "a"},
+                          "v"),
+              "no error");
+}
+
+TEST(ColourConfig, ConversionsIntoARingAreRefused) {
+    const test::TempFolder folder;
+    std::ofstream(folder.file("c.ocio")) << ConfigParts{.spaces = ocioSpace("a", ocioStep("lin", "a"))}.text();
+    const ColourConfig colour = ColourConfig::open(folder.file("c.ocio"));
+    Image image = onePixel(1, 1, 1, 1);
+    const std::string problem =
+        "': in the OpenColorIO config '" + folder.file("c.ocio") + "' the colour space 'a' refers to itself";
+    EXPECT_EQ(errorOf([&] { colour.convert(image, "lin", "a"); }), "cannot convert from 'lin' to 'a" + problem);
+    EXPECT_EQ(errorOf([&] { colour.requireConversion("a"); }), "cannot convert from 'lin' to 'a" + problem);
+    EXPECT_EQ(errorOf([&] { colour.toWorking(Rgb(1), "a"); }), "cannot convert from 'a' to 'lin" + problem);
+}
+
 }  // namespace
 }  // namespace scrim

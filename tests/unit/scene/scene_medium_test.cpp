@@ -405,5 +405,22 @@ TEST(SceneBlackbody, NeedsAConfigThatKnowsItsColours) {
     }
 }
 
+TEST(SceneTint, ConversionThatFailsIsLocated) {
+    const test::TempFolder folder;
+    const std::string file = folder.file("ring.ocio");
+    std::ofstream(file) << "ocio_profile_version: 1\nroles: {scene_linear: house, default: house}\n"
+                           "displays: {d: [!<View> {name: v, colorspace: house}]}\n"
+                           "colorspaces: [!<ColorSpace> {name: house}, !<ColorSpace> {name: ring, to_reference: "
+                           "!<ColorSpaceTransform> {src: ring, dst: house}}]\n";
+    try {
+        readScene({"scene.toml", "", sceneWith("extinction_tint = { rgb = [1, 1, 1], colorspace = \"ring\" }")}, 1, {},
+                  ColourConfig::open(file));
+        FAIL() << "no error";
+    } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).rfind("scene.toml:7:51: cannot convert from 'ring' to 'house': ", 0), 0u)
+            << error.what();
+    }
+}
+
 }  // namespace
 }  // namespace scrim

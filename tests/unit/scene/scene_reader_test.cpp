@@ -220,6 +220,12 @@ TEST(SceneReader, NeedsACameraAndAVolume) {
               "scene.toml:13:2: 'lihgt' is not known here (the scene's top level); did you mean 'light'?");
 }
 
+TEST(SceneReader, AMarkOfUtf8IsNoPartOfTheScene) {
+    const std::string mark = "\xef\xbb\xbf";
+    EXPECT_EQ(read(mark + kScene).lights.size(), 2u);
+    EXPECT_EQ(errorOf(mark + "camera = 3\n"), "scene.toml:1:10: 'camera' is 3; expected a table");
+}
+
 TEST(SceneReader, LocatesMalformedTomlWithClippedText) {
     EXPECT_EQ(errorOf("[camera\n").substr(0, 35), "scene.toml:1:8: malformed TOML: Err");
     EXPECT_EQ(errorOf("a = 1\na = 2\n").substr(0, 33), "scene.toml:2:5: malformed TOML: Error"s.substr(0, 33));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/model/frame.h>
 
+#include <algorithm>
+
 namespace scrim {
 
 RenderWork& RenderWork::operator+=(const RenderWork& o) {
@@ -17,7 +19,10 @@ RenderWork& RenderWork::operator+=(const RenderWork& o) {
     scatterSweeps += o.scatterSweeps;
     scatterDirections += o.scatterDirections;
     shade += o.shade;
-    if (o.bytes.total() > bytes.total()) bytes = o.bytes;
+    // Scattered light is there beside all sweeps, the buffers of one only.
+    const std::uint64_t scattered = std::max(bytes.scattered, o.bytes.scattered);
+    if (o.bytes.total() - o.bytes.scattered > bytes.total() - bytes.scattered) bytes = o.bytes;
+    bytes.scattered = scattered;
     return *this;
 }
 

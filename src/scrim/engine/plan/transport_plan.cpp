@@ -7,7 +7,9 @@
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/transport/cell_field.h>
 #include <scrim/engine/transport/cell_media.h>
+#include <scrim/engine/transport/cell_sweep.h>
 #include <scrim/engine/transport/last_sweep.h>
+#include <scrim/engine/transport/light_sources.h>
 
 #include <algorithm>
 #include <cmath>
@@ -314,6 +316,44 @@ std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan) {
     return skies;
 }
 
+namespace {
+
+// Memory for multiply scattered light: what a solve, its last sweep and its light keep of each cell.
+double bytesFor(const ViewScene& scene, const TransportPlan& plan, bool flux) {
+    const auto ordinates = std::size_t(solvedOrdinates(plan.ordinates));
+    const bool further = plan.ordinates > int(ordinates);  // the last sweep has more than the solve
+    const std::vector<ScatterClass> all = scatterClasses(scene, int(ordinates));
+    const bool someOnce = std::ranges::any_of(all, &ScatterClass::once);
+    const std::size_t classes = all.size(), bundles = bundlesOf(Simd(scene.dials.simd), int(ordinates));
+    std::size_t points = 0;
+    for (const ScatterTarget& target : plan.targets) points = std::max(points, FirstLight::points(scene, target));
+
+    // The solver: x, next and source, the steps that are mixed, and x before a correction.
+    const bool walls = solidsBlock(scene), coarsest = walls || plan.cells <= double(TransportSolver::kFewestCells);
+    const std::size_t values = plan.isotropic ? 1 : ordinates;
+    std::size_t rows = 3 + (plan.isotropic ? 1 : 0);
+    if (plan.isotropic || coarsest)
+        rows += AndersonMixing::vectors(walls && !plan.isotropic ? TransportSolver::kShortHistory
+                                                                 : TransportSolver::kHistory);
+    // Beside them scattering, shares of classes and the place of a row; extinction and the number of a cell's row.
+    double perRow = double(values * rows + 1 + classes + 2), perCell = 2;
+    if (plan.isotropic) perCell += double((1 + bundles) * (further ? 2 : 1));  // of sweeps
+    perRow += double(someOnce ? 2 * points + values : points);
+    const std::size_t straight = plan.isotropic ? 0 : std::max<std::size_t>(classes, 4);
+    perRow += double(3 * classes + straight + (flux ? 3 : 0));  // see LastSweep::pass
+    const double colours = greyScattering(scene) ? 1 : 3;
+    const double media = colours * double(2 + classes) + (anyEmits(scene) ? 3 : 0);
+    perCell += further && !plan.isotropic ? 2 * media : media;
+    // Fields have borders around their blocks, which about doubles them.
+    perCell +=
+        3 * 2 * (double(plan.targets.size() * classes) * (wants(scene, Layer::indirect) ? 2 : 1) + (flux ? 3 : 0));
+    const double known = plan.isotropic ? 1 : 0.6;  // of the cells: those where nothing is have no row
+    // The factor accounts for coarser levels, and for cells twice as large for extrapolation.
+    return 1.3 * plan.cells * sizeof(Real) * (known * perRow + perCell);
+}
+
+}  // namespace
+
 TransportPlan planTransport(const ViewScene& scene, bool flux) {
     TransportPlan plan;
     if (!anyScattersFully(scene)) return plan;
@@ -326,14 +366,7 @@ TransportPlan planTransport(const ViewScene& scene, bool flux) {
     });
     // Blocks of cells at the border are only partly covered by voxels' blocks, which about doubles their number.
     plan.cells = 2 * occupied(scene, 0.5 * plan.edge) / (plan.edge * plan.edge * plan.edge);
-    // See TransportSolver, sweepIsotropic and FirstLight. Where walls stand, iterates are kept.
-    const bool walls = solidsBlock(scene);
-    const double lights = double(plan.lights().size()), ordinates = solvedOrdinates(plan.ordinates);
-    const double values =
-        lights + (plan.isotropic ? 3 + 8 + (walls ? 14 : 0) : (3 + (walls ? 8 : 0)) * ordinates * 0.6);
-    const double fields = double(plan.targets.size() + (flux ? 3 : 0)) * 4 * 2;
-    // The factor accounts for coarser levels, and for cells twice as large for extrapolation.
-    const double bytes = 1.3 * plan.cells * sizeof(Real) * (values + fields + (greyScattering(scene) ? 6 : 12));
+    const double bytes = bytesFor(scene, plan, flux);
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
     if (scene.memoryLimit > 0 && plan.bytes > scene.memoryLimit)
         throw Error(ErrorKind::memory,

@@ -366,11 +366,14 @@ void forBundles(const CellSweep& sweep, const Task& task) {
 
 }  // namespace
 
+std::size_t bundlesOf(Simd simd, int ordinates) {
+    return std::size_t(ordinates / SCRIM_ON_TARGET(simd, bundleLanes)());
+}
+
 void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std::vector<Real>& mean,
                     std::vector<Real>& scratch) {
     const std::size_t cells = sweep.grid->cells();
-    const int lanes = SCRIM_ON_TARGET(sweep.simd, bundleLanes)();
-    const auto bundles = std::size_t(sweep.ordinates->count() / lanes);
+    const std::size_t bundles = bundlesOf(sweep.simd, sweep.ordinates->count());
     // Sums have a fixed order, whichever thread finishes first.
     scratch.resize(std::max(scratch.size(), bundles * cells));
     std::fill_n(scratch.begin(), bundles * cells, Real(0));

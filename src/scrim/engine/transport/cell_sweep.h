@@ -40,6 +40,9 @@ struct CellSweep {
     std::vector<Real>* caught = nullptr;  ///< receives the irradiance on each side divided by pi, before absorption
 };
 
+/// The number of bundles of ordinates that are swept together, for each of which sweepIsotropic has a row of scratch.
+std::size_t bundlesOf(Simd simd, int ordinates);
+
 /// For cells that emit the same in all directions: `source` is their emission, one value for each cell, radiance per
 /// world unit; `mean` receives the mean radiance over all directions, one value for each cell. `scratch` is memory that
 /// is reused.

@@ -147,6 +147,10 @@ std::vector<std::vector<Real>> LastSweep::pass(
     std::vector<std::vector<Real>> lobes(m_classes.size());
     for (std::size_t k = 0; k < m_classes.size(); ++k)
         if (m_eye && m_classes[k].split.straight() > 0) lobes[k].assign(2 * m_solver.rows(), 0);
+    std::size_t values = 0;
+    for (const auto* rows : {&kept, &lobes})
+        for (const std::vector<Real>& row : *rows) values += row.size();
+    m_kept = std::max(m_kept, values * sizeof(Real));
     // Without further ordinates the solve's own last sweep is this one.
     const bool swept = solved && m_parts.size() == 1;
     if (swept) keep(m_ordinates, m_solver.radiance(), kept, lobes);

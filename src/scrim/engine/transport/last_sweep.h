@@ -49,7 +49,11 @@ class LastSweep {
     /// of a solve.
     void addScattered(bool once, std::size_t colour, const std::vector<Real>& radiance, const Ordinates& along,
                       std::vector<Real>& source) const;
-    std::size_t bytes() const { return m_split.bytes(); }
+    /// Peak memory so far.
+    std::size_t bytes() const {
+        return (m_split.extinction.empty() ? 0 : m_split.bytes()) + m_kept +
+               (m_mean.capacity() + m_scratch.capacity()) * sizeof(Real);
+    }
     /// Cells times ordinates, over all sweeps.
     std::uint64_t cellDirections() const { return m_cellDirections; }
 
@@ -69,6 +73,7 @@ class LastSweep {
     std::vector<ScatterClass> m_classes;
     CellMedia m_split;                    // empty: splitting for more ordinates changes nothing
     std::vector<Real> m_mean, m_scratch;  // memory of sweeps
+    std::size_t m_kept = 0;               // bytes of what a pass keeps
     std::uint64_t m_cellDirections = 0;
 };
 

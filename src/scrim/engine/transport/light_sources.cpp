@@ -230,8 +230,9 @@ void addSky(const Light& sky, const Ordinates& ordinates, int colour, std::vecto
         if (means[m].weight > 0) radiance[m] += sky.intensity[colour] * means[m].radiance / means[m].weight;
 }
 
-// The light itself, or a few lights that represent it.
+// The light itself, or a few lights that represent it; of a sky its suns.
 std::vector<Light> pointsOf(const ViewScene& scene, const Light& light) {
+    if (light.dome()) return sunsOfSky(scene, light);
     if (!light.extended()) return {light};
     ViewScene alone = scene;
     alone.lights = {light};
@@ -269,7 +270,7 @@ FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int 
     if (!once) m_onSides.assign(media.grid.sides(), Real(0));
     for (const int owner : target.lights) {
         const Light& whole = scene.lights[std::size_t(owner)];
-        for (const Light& point : whole.dome() ? sunsOfSky(scene, whole) : pointsOf(scene, whole)) {
+        for (const Light& point : pointsOf(scene, whole)) {
             const FirstCollisions rays(scene, media, last, point);
             std::vector<Real>& irradiance = m_irradiance.emplace_back(solver.rows());
             m_points.emplace_back(std::size_t(owner), point);
@@ -288,6 +289,19 @@ FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int 
             });
         }
     }
+}
+
+std::size_t FirstLight::points(const ViewScene& scene, const ScatterTarget& target) {
+    std::size_t count = 0;
+    for (const int light : target.lights) count += pointsOf(scene, scene.lights[std::size_t(light)]).size();
+    return count;
+}
+
+std::size_t FirstLight::bytes() const {
+    std::size_t values = m_onSides.size();
+    for (const auto* rows : {&m_irradiance, &m_straight})
+        for (const std::vector<Real>& row : *rows) values += row.size();
+    return values * sizeof(Real);
 }
 
 // Where phase functions are mixed, each class sees the beam as if its own phase function had spread it.

@@ -46,6 +46,9 @@ class FirstLight {
     /// scattering coefficient; empty if there is none. With `moments` it is instead the mean over all directions of
     /// that light, and of it times its direction of travel along x, y and z: [moment][row].
     const std::vector<std::vector<Real>>& straight() const { return m_straight; }
+    std::size_t bytes() const;
+    /// The number of points that the lights of a target become, each of which takes a value for every row.
+    static std::size_t points(const ViewScene& scene, const ScatterTarget& target);
 
   private:
     void addStraight(const ViewScene& scene, const std::vector<ScatterClass>& classes, bool moments, std::size_t owner,

@@ -14,7 +14,7 @@
 namespace scrim {
 namespace {
 
-constexpr std::size_t kFewestCells = 4 * kBlockCells, kMostLevels = 6;  // smaller grids are not made coarser
+constexpr std::size_t kMostLevels = 6;
 // Coarser cells reduce a residual to this part. More precision is pointless, since they only approximate finer ones.
 constexpr double kCoarseTolerance = 0.2;
 // Sweeps of coarser cells for each sweep of finer ones (few, since every level calls the next), and of the coarsest.
@@ -23,8 +23,6 @@ constexpr int kCoarseSweeps = 3, kCoarsestSweeps = 40;
 constexpr int kIdleSweeps = 6;
 constexpr double kIdle = 0.95;
 constexpr double kFall = 0.3;  // initial estimate of the residual's ratio from sweep to sweep of the finest cells
-// Steps that Anderson's acceleration mixes: few for cells that have a value for each ordinate.
-constexpr std::size_t kHistory = 6, kShortHistory = 3;
 
 }  // namespace
 
@@ -276,7 +274,12 @@ void TransportSolver::start(std::size_t level, const Real* inflow) {
 // Improves x after a sweep whose r = G(x) - x is `residual` of light; returns by how much light, relative to that.
 double TransportSolver::improve(std::size_t level, double residual, AndersonMixing& anderson) {
     Level& here = m_levels[level];
-    if (level + 1 == m_levels.size()) return anderson.step(here.x, here.next);
+    const auto mix = [&](std::size_t beside) {
+        const double length = anderson.step(here.x, here.next);
+        m_mixed = std::max(m_mixed, anderson.bytes() + beside);
+        return length;
+    };
+    if (level + 1 == m_levels.size()) return mix(0);
     // The error of x is r + K r + ..., K being a sweep without sources: r itself, and its scattering, which coarser
     // cells compute.
     Level& coarse = m_levels[level + 1];
@@ -295,7 +298,7 @@ double TransportSolver::improve(std::size_t level, double residual, AndersonMixi
     prolong(coarse, here, true);
     here.next.swap(here.x);
     here.x.swap(before);
-    anderson.step(here.x, here.next);
+    mix(before.size() * sizeof(Real));
     return gain;
 }
 
@@ -374,7 +377,7 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
 }
 
 std::size_t TransportSolver::bytes() const {
-    std::size_t bytes = (m_mean.capacity() + m_scratch.capacity()) * sizeof(Real);
+    std::size_t bytes = (m_mean.capacity() + m_scratch.capacity()) * sizeof(Real) + m_mixed;
     for (const Level& level : m_levels) {
         bytes += (level.x.size() + level.next.size() + level.source.size() + level.extinction.size() +
                   level.scattering.size() * (1 + level.shares.size())) *

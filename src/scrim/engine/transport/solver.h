@@ -76,7 +76,14 @@ class TransportSolver {
     Solved solve(std::size_t colour, const std::vector<Real>& inflow);
     const std::vector<Real>& radiance() const;
 
+    /// Peak memory so far.
     std::size_t bytes() const;
+
+    /// Smaller grids are not made coarser.
+    static constexpr std::size_t kFewestCells = 4 * kBlockCells;
+    /// Steps that Anderson's acceleration mixes, of the coarsest cells and, if rows have one value, of the finest: few
+    /// for cells that have a value for each ordinate and walls.
+    static constexpr std::size_t kHistory = 6, kShortHistory = 3;
 
   private:
     struct Level;
@@ -108,6 +115,7 @@ class TransportSolver {
     std::vector<Real> m_mean, m_scratch;        // memory of sweeps, kept because fresh memory is slow
     std::vector<std::uint8_t> m_border;         // see CellSweep
     std::vector<Real> m_back, m_caught;         // for each side of walls (see CellSweep)
+    std::size_t m_mixed = 0;                    // the most bytes of steps that were mixed
     double m_gain = 1;                          // of the current solve: the error of x, relative to its residual
     Solved m_solved;
 };
