@@ -28,14 +28,14 @@ cd "$root"
 # there is, and nothing is confined there.
 if [ "$preset" = "asan" ]; then
     export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
-    export SCRIM_FUZZ_RUNS=20
+    export SCRIM_FUZZ_RUNS=20 SCRIM_LAWS_COUNT=30
     # Those of effects take as long as all others: .ci/full runs them, by SCRIM_PROGRAMS=effect.
-    programs="${SCRIM_PROGRAMS:-error stability unit shot fuzz plugin thread}"
+    programs="${SCRIM_PROGRAMS:-error stability unit shot fuzz plugin thread law}"
     targets="--target $(printf 'scrim_%s_tests ' $programs)"
     filter='-Interrupt.*:Sizes.*:*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*:*AgreeWithBruteForce*:*classifiedPerView*:Limits.*:Ax.Hostile*:Ax.ExpressionsThatNeverEnd*:Documents.*:SourceLoader.KeepsFilesThatTakeOver*:MultipleScattering.*PathTracer:MultipleScattering.OfA*Chandrasekhars:MultipleScattering.OfADome*:MultipleScattering.OfAnEvenGlow*:MultipleScattering.ConvergesWithTheCells:MultipleScattering.TakesFewSweeps*:MultipleScattering.OfASlabIsMilnes:*ConvergesToTheReference:*ConvergeToTheReference:*AgreesWithBruteForce*:*ShowsWhatTheReferenceShows*'
     options=""
 else
-    programs="error effect analytic paper fuzz engine stability unit shot plugin invariance thread"
+    programs="error effect law analytic paper fuzz engine stability unit shot plugin invariance thread"
     targets="" # all of them
     filter='*'
     options="-DSCRIM_BUILD_TESTS=ON -DSCRIM_BUILD_BENCHMARKS=ON"

@@ -194,12 +194,81 @@ LightRay LightRays::fromPicture(const Vec2& square) const {
             m_light.intensity * value * (total / (value.x + value.y + value.z))};
 }
 
+// True if the cone of directions that a surface shines into is smaller than what it fills of the sky at `ws`.
+bool LightRays::sendsIntoLess(const Vec3& ws) const {
+    const Light::Area& area = *m_light.area();
+    if (area.spread >= 180) return false;
+    const Vec3 from = ws - m_light.wsPosition;
+    const double height = glm::dot(from, m_frame[2]), r2 = glm::dot(from, from);
+    if (height <= 0) return true;
+    const double fills = std::min(area.area() * height / (r2 * std::sqrt(r2)), 2 * kPi);
+    return 2 * kPi * (1 - std::cos(glm::radians(0.5 * area.spread))) < fills;
+}
+
+double LightRays::density(const Vec3& toLight) const {
+    if (!m_light.dome() || !m_light.slide || !(m_rows.back() > 0)) return 0;
+    const Vec2 at = pictureOfDome(m_light, toLight);
+    const Rgb value = pictureAt(at.x, at.y);
+    return (value.x + value.y + value.z) /
+           (m_rows.back() * 2 * kPi / m_light.slide->image->levels().front().width);
+}
+
+LightRay LightRays::from(const Vec3& ws, const Vec3& toLight) const {
+    if (m_light.dome()) {
+        const Vec2 at = m_light.slide ? pictureOfDome(m_light, toLight) : Vec2(0);
+        return {toLight, kInfinity, m_light.intensity * pictureAt(at.x, at.y)};
+    }
+    const Light::Area* area = m_light.area();
+    if (!area) {
+        const double half = std::sin(glm::radians(0.25 * std::get<Light::Distant>(m_light.kind).angle));
+        const double depth = 2 * half * half;  // 1 - cos of half the angle
+        if (1 + glm::dot(toLight, m_light.wsDirection) > depth) return {};
+        return {toLight, kInfinity, m_light.intensity / (2 * kPi * depth)};
+    }
+    const Vec3 to = m_light.wsPosition - ws;
+    if (area->shape == AreaShape::sphere) {
+        const double along = glm::dot(toLight, to);
+        const double inside = area->radius * area->radius - (glm::dot(to, to) - along * along);
+        if (inside < 0 || along < 0 || glm::dot(to, to) <= area->radius * area->radius) return {};
+        return {toLight, along - std::sqrt(inside), m_light.intensity};
+    }
+    if (area->shape == AreaShape::cylinder) {
+        // The nearer of both meetings with the round side.
+        const Vec3 d(0, glm::dot(toLight, m_frame[1]), glm::dot(toLight, m_frame[2]));
+        const Vec3 o(0, glm::dot(-to, m_frame[1]), glm::dot(-to, m_frame[2]));
+        const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - area->radius * area->radius;
+        if (a == 0 || c <= 0 || b * b < a * c || b > 0) return {};
+        const double t = (-b - std::sqrt(b * b - a * c)) / a;
+        if (std::abs(glm::dot(t * toLight - to, m_frame[0])) > 0.5 * area->width) return {};
+        return {toLight, t, m_light.intensity};
+    }
+    const double facing = -glm::dot(toLight, m_frame[2]), height = -glm::dot(to, m_frame[2]);
+    if (facing <= 0 || height <= 0) return {};
+    const double t = height / facing;
+    const Vec3 hit = t * toLight - to;
+    const double x = glm::dot(hit, m_frame[0]), y = glm::dot(hit, m_frame[1]);
+    Rgb radiance = Spread(area->spread).at(facing) * m_light.intensity;
+    if (area->shape == AreaShape::disk) {
+        if (x * x + y * y > area->radius * area->radius) return {};
+    } else {
+        if (std::abs(x) > 0.5 * area->width || std::abs(y) > 0.5 * area->height) return {};
+        radiance *= pictureAt(x / area->width + 0.5, 0.5 - y / area->height);
+    }
+    return {toLight, t, radiance};
+}
+
 LightRay LightRays::ray(const Vec3& ws, const Vec2& square) const {
     if (m_light.dome()) {
         if (m_light.slide) return fromPicture(square);
         return {inCone(Vec3(0, 0, 1), 2, square), kInfinity, m_light.intensity * (4 * kPi)};
     }
     if (const Light::Area* area = m_light.area()) {
+        if (sendsIntoLess(ws)) {
+            const double depth = 1 - std::cos(glm::radians(0.5 * area->spread));
+            LightRay ray = from(ws, inCone(-m_frame[2], depth, square));
+            ray.weight *= 2 * kPi * depth;
+            return ray;
+        }
         if (area->shape == AreaShape::rectangle) return fromRectangle(ws, square);
         if (area->shape == AreaShape::mesh) return fromMesh(m_mesh.seenFrom(ws), ws, square);
         if (area->shape == AreaShape::cylinder) return fromCylinder(ws, square);

@@ -33,6 +33,12 @@ class LightRays {
     /// Those of several points of the square, which takes less time than one by one. Rays without light are left out.
     std::vector<LightRay> rays(const Vec3& ws, std::span<const Vec2> squares) const;
 
+    /// What comes from a direction (unit): the light's radiance there, or nothing. Not for meshes.
+    LightRay from(const Vec3& ws, const Vec3& toLight) const;
+    bool knowsRadiance() const { return !m_light.area() || !m_light.area()->surface; }
+    /// The density, per steradian, with which `ray` chooses a direction of a dome's picture; 0 for other lights.
+    double density(const Vec3& toLight) const;
+
   private:
     LightRay fromRectangle(const Vec3& ws, const Vec2& square) const;
     LightRay fromDisk(const Vec3& ws, const Vec2& square) const;
@@ -41,6 +47,7 @@ class LightRays {
     LightRay fromMesh(const ShiningMesh::Seen& seen, const Vec3& ws, const Vec2& square) const;
     LightRay fromPicture(const Vec2& square) const;
     Rgb pictureAt(double u, double v) const;
+    bool sendsIntoLess(const Vec3& ws) const;
 
     const Light& m_light;
     Mat3 m_frame;

@@ -3,6 +3,7 @@
 #include <scrim/verify/reference.h>
 #include <scrim/base/split_mix.h>
 #include <scrim/image/sky_parts.h>
+#include <scrim/scene/phase_over_caps.h>
 
 #include <algorithm>
 #include <bit>
@@ -38,6 +39,56 @@ Vec2 lotOf(const Vec3& ws, std::size_t light) {
 
 }  // namespace
 
+// The peak of a phase function, straight on, which rays to an extended light seldom meet. It is what is above a parabola
+// that goes on as the phase function does kEdge radians from there, and has directions of its own.
+class PhasePeak {
+  public:
+    // Null where there is none to speak of.
+    static std::shared_ptr<const PhasePeak> of(const Phase& phase) {
+        constexpr double kNarrow = 0.6;
+        return lobeWidth(phase) < kNarrow ? std::make_shared<const PhasePeak>(phase) : nullptr;
+    }
+    explicit PhasePeak(const Phase& phase) : m_phase(phase) {
+        const double step = 1e-4;
+        m_edge = phaseValue(phase, std::cos(kEdge));
+        m_slope = (phaseValue(phase, std::cos(kEdge + step)) - m_edge) / step;
+        // Angles are the more the narrower: edge u^3.
+        m_sums.push_back(0);
+        for (int i = 0; i < kSteps; ++i) {
+            const double a = angleAt(i), b = angleAt(i + 1), middle = 0.5 * (a + b);
+            m_sums.push_back(m_sums.back() +
+                             2 * std::numbers::pi * (std::cos(a) - std::cos(b)) * above(std::cos(middle)));
+        }
+    }
+    // Per steradian.
+    double above(double cosine) const {
+        const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)), t = angle / kEdge;
+        if (t >= 1) return 0;
+        return std::max(phaseValue(m_phase, cosine) - (m_edge - 0.5 * m_slope * kEdge * (1 - t * t)), 0.0);
+    }
+    double mass() const { return m_sums.back(); }
+    // A direction around `axis` for a point of the unit square; all have the same part of the mass.
+    Vec3 direction(const Vec3& axis, const Vec2& square) const {
+        const double at = square.x * mass();
+        const auto next = std::upper_bound(m_sums.begin() + 1, m_sums.end() - 1, at);
+        const double before = *(next - 1), part = *next > before ? (at - before) / (*next - before) : 0.5;
+        const int i = static_cast<int>(next - m_sums.begin()) - 1;
+        const double a = std::cos(angleAt(i)), cosine = a + part * (std::cos(angleAt(i + 1)) - a);
+        const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0)), turn = 2 * std::numbers::pi * square.y;
+        const Mat3 frame = frameAround(axis);
+        return cosine * axis + sine * (std::cos(turn) * frame[0] + std::sin(turn) * frame[1]);
+    }
+
+  private:
+    static constexpr double kEdge = 0.5;
+    static constexpr int kSteps = 400;
+    static double angleAt(int i) { return kEdge * std::pow(double(i) / kSteps, 3); }
+
+    Phase m_phase;
+    double m_edge, m_slope;
+    std::vector<double> m_sums;  // of the peak up to each angle
+};
+
 Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, FieldSamplers* shared)
     : m_scene(scene), m_options(options), m_voxel(voxelUnit(scene)) {
     m_step = options.step * m_voxel;
@@ -57,6 +108,8 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
     FieldSamplers own;
     for (const ViewVolume& volume : scene.volumes)
         m_volumes.emplace_back(volume, scene.dials.kernel, shared ? *shared : own);
+    for (const ViewVolume& volume : scene.volumes)
+        m_peaks.push_back(volume.classified ? nullptr : PhasePeak::of(volume.medium.phase));
 }
 
 // Shortens a step so that it crosses at most kSlidePixels of any slide; light that varies within a step would be
@@ -141,15 +194,59 @@ Rgb Reference::depthTowards(std::size_t index, const Vec3& ws, const LightRay& r
 // As `scatter`, for an extended light.
 Rgb Reference::scatterExtended(std::size_t index, const Vec3& ws, const Vec3& eye) const {
     Rgb sum(0);
+    const LightRays& rays = std::get<LightRays>(m_lights[index]);
     for (const LightRay& ray : raysTo(index, ws)) {
         Rgb tau(0);
         if (m_scene.lights[index].shadows) {
             if (blocked(ws, ray.toLight, ray.distance)) continue;
             tau = depthTowards(index, ws, ray);
         }
-        sum += ray.weight * towardsEye(index, ws, -ray.toLight, eye, tau);
+        sum += ray.weight * towardsEye(index, ws, -ray.toLight, eye, tau, &rays);
     }
-    return sum / double(m_options.lightRays * m_options.lightRays);
+    sum /= double(m_options.lightRays * m_options.lightRays);
+    return rays.knowsRadiance() ? sum + scatterInPeaks(index, ws, eye) : sum;
+}
+
+// The light that peaks of phase functions scatter, by rays in them.
+Rgb Reference::scatterInPeaks(std::size_t index, const Vec3& ws, const Vec3& eye) const {
+    const LightRays& rays = std::get<LightRays>(m_lights[index]);
+    const int n = m_options.lightRays;
+    Rgb sum(0);
+    for (std::size_t v = 0; v < m_volumes.size(); ++v) {
+        const ViewVolume& volume = m_scene.volumes[v];
+        if (!m_peaks[v] || volume.holdout || !m_volumes[v].hasDensity() || !litBy(volume.lights, index)) continue;
+        const PhasePeak& peak = *m_peaks[v];
+        const Vec2 offset = lotOf(ws, index + 17);
+        Rgb own(0);
+        for (int i = 0; i < n * n; ++i) {
+            // Light that travels to the eye comes from where the eye looks.
+            const Vec3 toLight =
+                peak.direction(eye, glm::fract(offset + double(i) * Vec2(0.7548776662466927, 0.5698402909980532)));
+            const LightRay ray = rays.from(ws, toLight);
+            if (ray.weight == Rgb(0)) continue;
+            Rgb tau(0);
+            if (m_scene.lights[index].shadows) {
+                if (blocked(ws, toLight, ray.distance)) continue;
+                tau = depthTowards(index, ws, ray);
+            }
+            // Rays to the picture of a sky look into the peak, too (E. Veach's balance heuristic).
+            const double density = peak.above(glm::dot(toLight, eye)) / peak.mass();
+            own += ray.weight * glm::exp(-tau) * (density / (density + rays.density(toLight)));
+        }
+        sum += m_volumes[v].scattering(ws) * own * (peak.mass() / (n * n));
+    }
+    return sum;
+}
+
+// The part of a phase function, per steradian, that rays to the light are to count in a direction with this cosine.
+double Reference::outsideOfPeak(std::size_t index, std::size_t volume, const LightRays& rays, const Vec3& toLight,
+                                double cosine) const {
+    const double all = phaseValue(m_scene.volumes[volume].medium.phase, cosine);
+    if (!m_peaks[volume] || !rays.knowsRadiance()) return all;
+    const double above = m_peaks[volume]->above(cosine);
+    if (above == 0) return all;
+    const double density = above / m_peaks[volume]->mass(), own = std::get<LightRays>(m_lights[index]).density(toLight);
+    return all - above * density / (density + own);
 }
 
 Rgb Reference::arriving(std::size_t index, const Vec3& ws) const {
@@ -179,10 +276,11 @@ bool Reference::isAround(std::size_t index, const ViewVolume& volume, const Vec3
 
 // Radiance per world unit and unit of irradiance that the volumes send along `eye`, from light that arrives along
 // `travel`.
-Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel, const Vec3& eye,
-                          const Rgb& tau) const {
+Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel, const Vec3& eye, const Rgb& tau,
+                          const LightRays* rays) const {
     Rgb sum(0);
-    for (const VolumeOptics& v : m_volumes) {
+    for (std::size_t i = 0; i < m_volumes.size(); ++i) {
+        const VolumeOptics& v = m_volumes[i];
         const ViewVolume& volume = v.volume();
         if (!v.hasDensity() || volume.holdout || (!volume.lights.empty() && !volume.lights[index])) continue;
         if (volume.classified) {
@@ -195,7 +293,10 @@ Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel,
         const Rgb coefficient = v.scattering(ws);
         for (int n = 0; n < medium.octaves.count; ++n) {
             const Phase phase = flattened(medium.phase, std::pow(medium.octaves.phase, n));
-            sum += std::pow(medium.octaves.contribution, n) * phaseValue(phase, -glm::dot(travel, eye)) * coefficient *
+            const double cosine = -glm::dot(travel, eye);
+            const double value =
+                n == 0 && rays ? outsideOfPeak(index, i, *rays, -travel, cosine) : phaseValue(phase, cosine);
+            sum += std::pow(medium.octaves.contribution, n) * value * coefficient *
                    glm::exp(-std::pow(medium.octaves.extinction, n) * tau);
         }
     }

@@ -15,6 +15,7 @@
 
 #include <array>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -31,6 +32,8 @@ struct ReferenceOptions {
     /// from the scene's light_error.
     int lightRays = 0;
 };
+
+class PhasePeak;
 
 class Reference {
   public:
@@ -71,8 +74,11 @@ class Reference {
     bool blocked(const Vec3& ws, const Vec3& toLight, double distance) const;
     Rgb scatter(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;
     Rgb scatterExtended(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;
-    Rgb towardsEye(std::size_t light, const Vec3& ws, const Vec3& travel, const Vec3& wsDirection,
-                   const Rgb& tau) const;
+    Rgb scatterInPeaks(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;
+    double outsideOfPeak(std::size_t light, std::size_t volume, const LightRays& rays, const Vec3& toLight,
+                         double cosine) const;
+    Rgb towardsEye(std::size_t light, const Vec3& ws, const Vec3& travel, const Vec3& wsDirection, const Rgb& tau,
+                   const LightRays* rays = nullptr) const;
     Vec3 farAway(const Vec3& ws, const Vec3& wsDirection) const;
 
     const ViewScene& m_scene;
@@ -80,6 +86,7 @@ class Reference {
     std::vector<VolumeOptics> m_volumes;
     // One of the two, depending on whether the light is extended.
     std::vector<LightSent> m_lights;
+    std::vector<std::shared_ptr<const PhasePeak>> m_peaks;  // for each volume; null: its phase function has no peak
     Bounds m_wsBounds;
     double m_voxel, m_step;
 };

@@ -9,7 +9,6 @@
 #include <scrim/engine/sweep.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -31,7 +30,7 @@ struct TooWrong : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-std::atomic<int> renderCount{0};
+thread_local int renderCount = 0;
 
 double mostOf(const Light& light, int c) {
     constexpr double kPi = std::numbers::pi;

@@ -77,6 +77,11 @@ ViewScene withFewSubLights(const ViewScene& scene, int count);
 /// The scene with the plan's lights in place of its own. `plain` holds the changed copy, if there is one.
 const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, ViewScene& plain);
 
+/// True if a surface with a spread is a sum of beams, parallel light through a window of its shape: its cone is smaller
+/// than what the surface fills of the sky at the volumes, which are all in front of it. Points, each with its cone,
+/// would show as dots there.
+bool shinesInBeams(const ViewScene& scene, const Light& light);
+
 /// True if `light` reaches the volume through the border of the cells that carry multiply scattered light: a sky, but
 /// for its suns, and a volume that scatters fully. Neither sub-lights nor light on cells may bring it there again.
 bool comesFromBorder(const Light& light, const ViewVolume& volume);

@@ -163,6 +163,7 @@ bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec
     if (!light.shadows && !light.dome() && !isLampOnCells(scene, light)) return false;
     if (light.dome() && skiesFromBorder(scene)) return false;
     const bool forced = light.shadow == ShadowMethod::cells;
+    if (shinesInBeams(scene, light)) return false;
     if (light.area() || light.dome())
         return forced || subLightCount(scene, light) >= leastForCells(scene, light, wsCorners);
     if (light.distant()) return forced && light.extended();

@@ -3,6 +3,7 @@
 #include <scrim/engine/transport/cell_grid.h>
 
 #include "support/fields.h"
+#include "support/meshes.h"
 
 #include <scrim/base/error.h>
 #include <scrim/engine/transport/cell_field.h>
@@ -12,12 +13,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <numeric>
 #include <vector>
 
 #include <glm/common.hpp>
+#include <glm/trigonometric.hpp>
 
 namespace scrim::test {
 namespace {
@@ -121,6 +124,48 @@ TEST(CellMedia, OfBlocksIsThatOfTheirVoxels) {
                 ASSERT_NEAR(double(media.extinction[0][i]), double(other.extinction[0][i]), 1e-5 * most)
                     << "cells of " << edge << ", margin " << margin;
         }
+}
+
+// A strong shear brings blocks so close to one another that every other one still shares cells: nothing may be lost
+// where they are deposited at once.
+TEST(CellMedia, OfShearedVolumesHoldAllThatTheirVoxelsDo) {
+    ViewScene scene = orthographicScene(boxField(Int3(0), Int3(63, 63, 7)), {0.7, Rgb(1), {}}, 24, 24);
+    scene.volumes[0].wsFromIs = Mat4(1, 0, 0, 0, 8, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
+    const double voxels = 64 * 64 * 8;
+    for (int repeat = 0; repeat < 10; ++repeat) {
+        const CellMedia media = cellMedia(scene, {}, 1.7, Simd());
+        double sum = 0;
+        for (const Real value : media.extinction[0]) sum += double(value) * 1.7 * 1.7 * 1.7;
+        ASSERT_NEAR(sum, 0.7 * voxels, 1e-4 * voxels);
+    }
+}
+
+// At 45 degrees two axes face a wall alike, and only one of them counts it.
+TEST(CellGrid, WallsAtExactly45DegreesSendBackWhatThoseBesideDo) {
+    const auto sentBack = [](double degrees) {
+        const double a = glm::radians(degrees);
+        CellGrid grid(1, {{Vec3(-11), Vec3(11)}});
+        grid.raiseWalls(oneSolid(squareMesh({0.13, 0.07, 0.21}, {std::sin(a), std::cos(a), 0}, 6), true, true, false,
+                                 Rgb(0.5)));
+        double sum = 0;
+        for (std::size_t side = 0; side < grid.sides(); ++side) sum += grid.albedoOfSide(side).x;
+        return sum / double(grid.sides());
+    };
+    const double beside = 0.5 * (sentBack(44.7) + sentBack(45.3));
+    EXPECT_NEAR(sentBack(45), beside, 0.03 * beside);
+}
+
+// At its very place a lamp without a radius shines through nothing: 0 times infinity.
+TEST(CellField, OfALampIsFiniteAtItsPlace) {
+    ViewScene scene = orthographicScene(boxField(Int3(-4), Int3(4)), {0.5, Rgb(1), {}}, 24, 24);
+    scene.lights = {lamp({0, 0, 0}, 5)};
+    const CellMedia media = cellMedia(scene, {}, 1, Simd(), Vec3(0), 1);
+    CellField field(std::make_shared<const CellGrid>(media.grid), 1);
+    field.setLamp(scene.lights[0], {}, scene.camera, true, false);
+    field.makeMean(media, nullptr);
+    Real rgb[3];
+    field.sample(Vec3(0), rgb);
+    EXPECT_TRUE(std::isfinite(rgb[0])) << rgb[0];
 }
 
 // Second differences of a quadratic function are the same everywhere. Cells around a block are sharpened as their
