@@ -127,6 +127,8 @@ int threadsOfJob() {
 std::size_t parseSize(const std::string& text) {
     std::string bytes = text;
     std::size_t value = 0;
+    // CLI11 takes a unit alone for one of it.
+    if (text.empty() || text.front() < '0' || text.front() > '9') bytes = "0";
     try {
         CLI::AsSizeValue(false)(bytes);
         std::from_chars(bytes.data(), bytes.data() + bytes.size(), value);

@@ -74,11 +74,11 @@ def test_rendering_a_stage_runs_no_module_of_the_current_folder(hostile, python_
     assert (hostile / "a.exr").exists()
 
 
-def test_a_folder_that_the_path_names_is_where_modules_are_found(hostile, python_path):
-    (hostile / "scrim.py").write_text("raise ImportError('mine')")
+def test_a_folder_that_the_path_names_is_where_modules_are_found(tmp_path, python_path):
+    (tmp_path / "scrim.py").write_text("raise ImportError('mine')")
     done = subprocess.run(
-        [PROGRAM, "view", "smoke.toml"], cwd=hostile, capture_output=True, text=True,
-        env={**python_path, "SCRIM_PYTHON": sys.executable, "PYTHONPATH": f"{hostile / 'none'}:."},
+        [PROGRAM, "view", "smoke.toml"], cwd=tmp_path, capture_output=True, text=True,
+        env={**python_path, "SCRIM_PYTHON": sys.executable, "PYTHONPATH": f"{tmp_path / 'none'}:."},
     )  # fmt: skip
     assert done.returncode == 3 and "mine; the viewer is in Scrim's Python package" in done.stderr, done.stderr
 
