@@ -362,6 +362,7 @@ def test_media_are_said_by_attributes_or_a_side_car(foggy):
 
 def test_the_exposure_of_the_camera_counts_once_in_each_frame(foggy):
     foggy.stage.GetPrimAtPath("/cam").GetAttribute("exposure").Set(2.0)
+    foggy.stage.GetPrimAtPath("/fog").RemoveProperty("scrim:albedo")  # the side-car alone says what the medium is
     side = foggy.folder / "side.toml"
     side.write_text('["/fog".medium]\nemission = { grid = "density", scale = 2 }\n'
                     'blackbody = { grid = "density", intensity = 3 }\n')  # fmt: skip

@@ -290,8 +290,8 @@ def test_frames_are_as_many_as_one_likes(scrim_on, tmp_path):
 @pytest.mark.parametrize("signals", [[signal.SIGINT, signal.SIGINT], [signal.SIGKILL]], ids=["twice", "killed"])
 def test_a_program_that_ends_at_once_leaves_no_folder(foggy, tmp_path, python_path, signals):
     foggy.stage.Save()
-    slow = tmp_path / "slow"  # a Python that reads the stage until it is told to end
-    slow.write_text("#!/bin/sh\necho begun >&2\nwhile sleep 0.1 && echo; do :; done 2>/dev/null\n")
+    slow = tmp_path / "slow"  # a Python that reads the stage, and hears nothing
+    slow.write_text("#!/bin/sh\ntrap '' INT TERM\necho $$ >&2\nexec 2>/dev/null\nwhile sleep 0.1; do echo; done\n")
     slow.chmod(0o755)
     temporary = tmp_path / "temporary"
     temporary.mkdir()
@@ -299,10 +299,13 @@ def test_a_program_that_ends_at_once_leaves_no_folder(foggy, tmp_path, python_pa
         [PROGRAM, "render", foggy.path, "--frames", "1"], stderr=subprocess.PIPE, text=True,
         env={**python_path, "SCRIM_PYTHON": str(slow), "TMPDIR": str(temporary)},
     )  # fmt: skip
-    assert program.stderr.readline() == "begun\n" and os.listdir(temporary)
+    python = int(program.stderr.readline())
+    assert os.listdir(temporary)
     for one in signals:
         program.send_signal(one)
+        time.sleep(0.2)  # or two of them would be one
     program.communicate()
+    os.kill(python, signal.SIGKILL)
     for _ in range(300):
         if not os.listdir(temporary):
             return
