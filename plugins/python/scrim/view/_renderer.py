@@ -151,6 +151,7 @@ class Renderer:
         self._shot = loaded
         self._wanted: Wanted | None = None
         self._pictures: Pictures | None = None
+        self._tried: Wanted | None = None  # what is worked for
         self._bad: Wanted | None = None  # what cannot be rendered
         self._level: int | None = None
         self._is_slow = False
@@ -184,14 +185,16 @@ class Renderer:
             self._changed.notify()
         self._thread.join()
 
-    def _next(self) -> tuple[Wanted, Task] | None:
+    def _next(self) -> Task | None:
+        """What is to be done for `_tried`; None once this object is stopped."""
         with self._changed:
             while not self._stopped:
                 wanted = self._wanted
                 if wanted is not None and not self._is_bad(wanted):
+                    self._tried = wanted
                     task = next_task(wanted, self._pictures, time.monotonic(), self._is_slow)
                     if task is not None:
-                        return wanted, task
+                        return task
                     if not is_exact(wanted, self._pictures):  # time alone may ask for a render
                         self._changed.wait(0.05)
                         continue
@@ -205,17 +208,14 @@ class Renderer:
 
     def _run(self) -> None:
         while not self._stopped:
-            wanted = self._wanted
             try:
-                if (work := self._next()) is None:
-                    break
-                wanted, task = work
-                self._render(wanted, task)
+                if (task := self._next()) is not None:
+                    self._render(self._tried, task)
             except scrim.Cancelled:
                 pass
             except Exception as error:  # noqa: BLE001  whatever it is, users see it, and the next change is rendered
-                self._bad = wanted
-                self._failed(error, wanted)
+                self._bad = self._tried
+                self._failed(error, self._tried)
             finally:
                 self._job = None
         self._shot = self._pictures = None
