@@ -658,6 +658,7 @@ def test_framing_waits_beside_for_a_volume_that_is_slow_and_asks_again_after_a_f
     monkeypatch.setattr(_bounds.program, "ask", slow)
     serving = Serving(lambda: _opening.opened(str(tmp_path / "shot.toml")))
     browser = Browser(serving)
+    browser.until(lambda m: m["type"] == "state")
     browser.send(type="view", to="frame")
     browser.until(lambda m: m["type"] == "state" and m["message"] == "reading where the volumes are")
     assert serving.get("/page.js")[0] == 200

@@ -119,6 +119,7 @@ def packed(tmp_path):
     for name in ("slab.vdb", "sky.exr", "lamp.ies"):
         (tmp_path / name).unlink()
     volume = made.volume("/two", ["two/fog.usdz[slab.vdb]", "one/fog.usdz[slab.vdb]"], ["density", "temperature"])
+    made.stage.GetPrimAtPath("/two/temperature").GetAttribute("fieldName").Set("density")
     made.say(volume, "emission:grid", Sdf.ValueTypeNames.String, "temperature")
     volume.AddTranslateOp().Set(Gf.Vec3d(4, 0, 0))
     made.stage.GetPrimAtPath("/fog/density").GetAttribute("filePath").Set("one/fog.usdz[slab.vdb]")

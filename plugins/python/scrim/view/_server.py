@@ -113,15 +113,16 @@ class Server:
 
     async def _open(self) -> bool:
         """Opens what is looked at, and greets the browsers that wait for it. False where `end` came first."""
-        made = self.aside(lambda: (scene := self._opening(), self._begin(scene)))
+        made = self.aside(self._opening)
         ended = asyncio.ensure_future(self._ended.wait())
         await asyncio.wait({made, ended}, return_when=asyncio.FIRST_COMPLETED)
         ended.cancel()
         if not made.done():
             made.cancel()
             return False
-        scene, self.session = made.result()
-        self._opened = replace(scene, loaded=None)
+        self._opened = made.result()
+        self.session = self._begin(self._opened)
+        self._opened = replace(self._opened, loaded=None)
         for browser in list(self.browsers):
             browser.greet()
         return True

@@ -27,6 +27,7 @@ class Viewpoint:
     def read(self, data: Mapping, resolved: Mapping) -> None:
         """Takes a scene, and what `Shot.resolved` says of it."""
         self._camera, self._resolved = data.get("camera", {}), resolved
+        self._places.of(resolved["volumes"])  # so that it is known by the time that it is needed
 
     @property
     def up(self) -> np.ndarray:
