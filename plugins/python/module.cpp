@@ -124,8 +124,8 @@ std::string pathText(nb::handle path) {
     std::string text(data, static_cast<std::size_t>(size));
     // The system takes a path up to its first NUL: a file of another name would be read, or written over.
     if (text.find('\0') != std::string::npos)
-        throw Error(ErrorKind::usage,
-                    "the path " + nb::cast<std::string>(nb::str(nb::repr(path))) + " holds a NUL; expected one without");
+        throw Error(ErrorKind::usage, "the path " + nb::cast<std::string>(nb::str(nb::repr(path))) +
+                                          " holds a NUL; expected one without");
     return text;
 }
 

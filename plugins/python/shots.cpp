@@ -331,8 +331,8 @@ void bindShots(nb::module_& module) {
 Volumes and pictures are loaded when a frame needs them, and kept as long as the next one needs them, too. A shot does
 one thing at a time; different shots are independent.)");
     type.def_prop_ro(
-            "path", [](const ShotObject& s) { return pathObject(s.shot().path()); },
-            nb::sig("def path(self) -> str"), "As it was opened, or its name.")
+            "path", [](const ShotObject& s) { return pathObject(s.shot().path()); }, nb::sig("def path(self) -> str"),
+            "As it was opened, or its name.")
         .def_prop_ro(
             "is_asset", [](const ShotObject& s) { return s.shot().isAsset(); },
             "Whether it is an asset that was framed.")

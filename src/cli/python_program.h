@@ -8,10 +8,10 @@
 
 namespace scrim::cli {
 
-/// The words of a command line that runs `code`, before which `sys` is imported, in the Python that $SCRIM_PYTHON names,
-/// or in python3 beside this program, or in that of PATH. Python finds modules where it is installed and in PYTHONPATH,
-/// but not in the current folder, unless PYTHONPATH names that: empty entries of it are removed from this process's
-/// environment, which the child has to inherit.
+/// The words of a command line that runs `code`, before which `sys` is imported, in the Python that $SCRIM_PYTHON
+/// names, or in python3 beside this program, or in that of PATH. Python finds modules where it is installed and in
+/// PYTHONPATH, but not in the current folder, unless PYTHONPATH names that: empty entries of it are removed from this
+/// process's environment, which the child has to inherit.
 std::vector<std::string> pythonCommand(const std::string& code);
 
 }  // namespace scrim::cli

@@ -140,14 +140,12 @@ TemporaryFolder::TemporaryFolder() {
                     fmt::format("cannot make a folder for a stage's scenes: '{}': {}", m_path, std::strerror(errno)));
     try {
         constexpr int nothing = ProgramStart::kNothing;
-        m_keeper.emplace(ProgramStart{{"sh", "-c", kKeep, "sh", m_path},
-                                      "/bin/sh",
-                                      {{0, theirs.fd()}, {1, nothing}, {2, nothing}}},
-                         0);
+        m_keeper.emplace(
+            ProgramStart{{"sh", "-c", kKeep, "sh", m_path}, "/bin/sh", {{0, theirs.fd()}, {1, nothing}, {2, nothing}}},
+            0);
     } catch (const std::system_error& error) {
         ::rmdir(m_path.c_str());
-        throw Error(ErrorKind::output,
-                    fmt::format("cannot start '/bin/sh': {}", std::strerror(error.code().value())));
+        throw Error(ErrorKind::output, fmt::format("cannot start '/bin/sh': {}", std::strerror(error.code().value())));
     }
     m_open = std::move(ours);
 }

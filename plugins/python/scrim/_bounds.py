@@ -29,7 +29,8 @@ def of(volumes: Mapping[str, Mapping]) -> Box | None:
 
 class Places:
     """Boxes that are known, for whoever cannot wait: the program is asked `beside`, and `came()` is called once it has
-    answered. `beside(work, then)`: does `work` in a thread, and calls `then` with what it gives in that of the caller."""
+    answered. `beside(work, then)`: does `work` in a thread, and calls `then` with what it gives in that of the caller.
+    """
 
     def __init__(self, beside: Callable[[Callable, Callable], object], came: Callable[[], object]) -> None:
         self._beside, self._came = beside, came

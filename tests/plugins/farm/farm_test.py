@@ -317,7 +317,7 @@ class Folder(unittest.TestCase):
 
 
 class FakeSlurm(unittest.TestCase):
-    """A job that was submitted to a Slurm that gives it number 71, and whose other commands print what they are told."""
+    """A job that was submitted to a Slurm that gives it number 71. Its other commands print what they are told."""
 
     job = Folder.job
 

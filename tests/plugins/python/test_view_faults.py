@@ -19,7 +19,7 @@ from viewing import PATIENCE, Viewer  # noqa: E402
 import scrim  # noqa: E402
 from scrim.view import _opened, _renderer, _session  # noqa: E402
 
-GROUPED = SMOKE.replace('name = "key"', 'name = "key"\ngroup = "suns"').replace('name = "rim"', 'name = "rim"\ngroup = "suns"')
+GROUPED = SMOKE.replace('type = "distant"', 'type = "distant"\ngroup = "suns"')
 NAMES = ("Sun.001", "key-light", "Key Light", 'a\\"b', "lämpchen", "view1")
 
 
@@ -94,7 +94,8 @@ def value(browser, name):
     return found[0]
 
 
-JUNK = (None, True, -1, 10**400, 2**31, 1.5, float("nan"), float("inf"), "", "x", "\ud800", "a\0b", [], [[]], {}, [None])
+JUNK = (None, True, -1, 10**400, 2**31, 1.5, float("nan"), float("inf"), "", "x", "\ud800", "a\0b", [], [[]], {},
+        [None])  # fmt: skip
 FIELDS = {
     "navigate": ("mode", "dx", "dy"), "rest": (), "view": ("to",), "set": ("id", "value"), "place": ("light", "x", "y"),
     "add": ("light",), "remove": ("light",), "highlight": ("light", "x", "y"), "camera": ("name",), "muted": ("names",),

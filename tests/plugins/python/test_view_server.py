@@ -334,6 +334,8 @@ def test_it_ends_when_told_and_leaves_no_child(view, how):
         (["bad.toml", "--listen=8080"], 2, "--listen '8080': expected HOST:PORT"),
         (["bad.toml", "--up=w"], 2, "--up 'w': expected x, y, z"),
         (["bad.toml", "--res=64"], 2, "--res '64': expected WxH"),
+        (["bad.toml", "--res=²x1"], 2, "--res '²x1': expected WxH"),
+        (["bad.toml", "--listen=127.0.0.1:²"], 2, "--listen '127.0.0.1:²': expected HOST:PORT"),
         (["good.toml", "--res=64x64"], 2, "--up and --res are for assets"),
         (["empty"], 3, "empty: there is nothing to show; expected .toml, .usd, .vdb, .nrrd or .nii"),
         (["good.toml", "--listen=203.0.113.1:0"], 4, "cannot listen on 203.0.113.1:0"),

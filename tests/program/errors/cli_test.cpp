@@ -303,8 +303,9 @@ TEST_F(CliErrors, CropThatIsNoneIsUsage) {
 }
 
 TEST_F(CliErrors, MemoryThatIsNoSizeIsUsage) {
-    expectFailure({"render", "scene.toml", "--memory", "8X"}, kUsage,
-                  "--memory 8X: expected a size such as 8G, 512M, 64K, or a number of bytes");
+    for (const std::string given : {"8X", "G", " 8G", "-8G"})
+        expectFailure({"render", "scene.toml", "--memory=" + given}, kUsage,
+                      "--memory " + given + ": expected a size such as 8G, 512M, 64K, or a number of bytes");
 }
 
 TEST_F(CliErrors, UnknownParameterOfASourceListsThem) {

@@ -39,7 +39,7 @@ _REST = 0.7  # seconds without a change after which the picture of the scene's f
 _VERIFIED = 400  # pixels that are compared with brute force on request
 _VERIFY_SECONDS = 30.0  # after which as many of them are enough as there are
 _POLL = 0.005
-_MATTERS = ("text", "view", "frame", "muted", "region", "verify", "plays")  # of what is wanted, to whether it can be had
+_MATTERS = ("text", "view", "frame", "muted", "region", "verify", "plays")  # to whether what is wanted can be had
 _LONG = 6.0  # seconds from which on the picture of the file is one that a draft goes before
 _SOON = 1.0  # seconds of it after which that is known
 
@@ -132,8 +132,8 @@ def _alike(pictures: Pictures, wanted: Wanted) -> bool:
 
 
 class Renderer:
-    """`shown(pictures, wanted, task)` and `failed(error, wanted)` are called in this object's thread, `shown` also while
-    a picture of an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in
+    """`shown(pictures, wanted, task)` and `failed(error, wanted)` are called in this object's thread, `shown` also
+    while a picture of an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in
     code, by the names of volumes. `loaded`: a shot that shares what it has loaded, and that is this object's from now on."""
 
     def __init__(

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Shows a session to browsers: the page, and a web socket for what changes.
 
-A browser needs the token or the ticket once; a cookie stands for it from then on. Requests under a foreign name of this machine, or
-from the page of somebody else, are refused, since any page that a user visits may send them. The only files that can be
-had are those of the page.
+A browser needs the token or the ticket once; a cookie stands for it from then on. Requests under a foreign name of this
+machine, or from the page of somebody else, are refused, since any page that a user visits may send them. The only files
+that can be had are those of the page.
 """
 
 from __future__ import annotations
@@ -232,7 +232,8 @@ class _Guarded(tornado.web.RequestHandler):
             raise tornado.web.HTTPError(403, reason="Foreign host or origin")
         door = self.server.door
         self.is_guest = door.knows(self.get_argument("token", None)) or door.takes(self.get_argument("ticket", None))
-        if not (self.is_guest or door.remembers(self.get_cookie(self._cookie)) or door.knows(self.path_kwargs.get("key"))):
+        is_known = door.remembers(self.get_cookie(self._cookie)) or door.knows(self.path_kwargs.get("key"))
+        if not (self.is_guest or is_known):
             raise tornado.web.HTTPError(403, reason="The token is missing")
 
     def write_error(self, status_code: int, **more: object) -> None:
