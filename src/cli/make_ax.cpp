@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 
 namespace scrim::cli {
 namespace {
@@ -22,7 +23,8 @@ std::vector<double> numbersOf(const std::string& name, const std::string& text) 
     while (at < end) {
         double value = 0;
         const auto [stop, error] = std::from_chars(at, end, value);
-        if (error != std::errc() || stop == at) break;
+        // Numbers may be called nan and inf, of which an expression would make a grid that is refused as damaged.
+        if (error != std::errc() || stop == at || !std::isfinite(value)) break;
         numbers.push_back(value);
         at = stop;
         while (at < end && (*at == ',' || *at == ' ')) ++at;
