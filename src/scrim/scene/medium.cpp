@@ -53,19 +53,6 @@ double phaseValue(const Phase& phase, double cosTheta) {
     }
 }
 
-double phaseOver(const Phase& phase, double cosine, double toEye) {
-    constexpr double kNarrow = 0.9995;
-    if (cosine > kNarrow) return phaseValue(phase, toEye);
-    const double aside = std::sqrt(std::max(1 - toEye * toEye, 0.0));
-    double sum = 0;
-    for (const double node : {0.21132486540518713, 0.78867513459481287}) {
-        const double z = 1 - node * (1 - cosine), across = aside * std::sqrt(std::max(1 - z * z, 0.0));
-        for (const auto& [turn, count] : {std::pair(1.0, 1), {0.5, 2}, {-0.5, 2}, {-1.0, 1}})
-            sum += count * phaseValue(phase, std::clamp(z * toEye + across * turn, -1.0, 1.0));
-    }
-    return sum / 12;
-}
-
 Phase flattened(const Phase& phase, double part) {
     Phase flat = phase;
     flat.g *= part;

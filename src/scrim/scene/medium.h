@@ -53,10 +53,6 @@ Phase dropletPhase(double size);
 /// (both unit directions of travel). It integrates to 1 over the sphere.
 double phaseValue(const Phase& phase, double cosTheta);
 
-/// The mean of the phase function over light that comes from a cone whose axis has the cosine `toEye` to the direction
-/// towards the eye: two circles by Gauss and Legendre, six directions on each. `cosine`: of the cone's half angle.
-double phaseOver(const Phase& phase, double cosine, double toEye);
-
 /// The phase function with its mean cosines multiplied by `part` in [0, 1] (Wrenninge's octaves).
 Phase flattened(const Phase& phase, double part);
 

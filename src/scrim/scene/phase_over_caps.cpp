@@ -120,12 +120,15 @@ CutPhase::CutPhase(const Phase& phase, double spacing) : row(kRow) {
     }
     row.back() = row[kPhaseAngles - 1];
     // The integrals over both halves of the sphere, in the variable whose entries are evenly apart.
-    double onFront = 0, onBack = 0;
+    double onFront = 0, onBack = 0, peak = 0;
     for (int i = 0; i + 1 < kPhaseAngles; ++i) {
-        const double a = cosineAt(i), b = cosineAt(i + 1);
+        const double a = cosineAt(i), b = cosineAt(i + 1), middle = 0.5 * (a + b);
         const double part = kPi * (a - b) * double(row[std::size_t(i)] + row[std::size_t(i + 1)]);
-        (a + b > 0 ? onFront : onBack) += part;
+        (middle > 0 ? onFront : onBack) += part;
+        const double above = 2 * kPi * (a - b) * phaseValue(phase, middle) - part;
+        if (above > 0) peak += above, spread += above * (1 - std::abs(middle));
     }
+    spread = peak > 0 ? spread / peak : 0;
     // Of the phase function itself by its moments: the mean of P_l over a half is known.
     const std::vector<double> moments = legendreMoments(phase, 4096), half = capMoments(0.5 * kPi, 4096);
     double front = 0;

@@ -49,9 +49,11 @@ class PhaseOverCaps {
 struct CutPhase {
     CutPhase(const Phase& phase, double spacing);
 
-    PhaseRow row;             ///< the rest, whose integral over the sphere is 1 - onwards - backwards
-    double onwards = 0;       ///< scattered by less than the spacing
-    double backwards = 0;     ///< scattered back by nearly 180 degrees
+    PhaseRow row;          ///< the rest, whose integral over the sphere is 1 - onwards - backwards
+    double onwards = 0;    ///< scattered by less than about the spacing
+    double backwards = 0;  ///< scattered back by nearly 180 degrees
+    /// The mean of 1 - cos of the angles by which what is cut off is scattered, from straight on or straight back.
+    double spread = 0;
 };
 
 /// The value of a row at an angle with this cosine.

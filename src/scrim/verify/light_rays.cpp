@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/light_rays.h>
 
+#include <scrim/scene/light_at.h>
 #include <scrim/solid/mesh_parts.h>
 #include <scrim/verify/running_sums.h>
 
@@ -218,43 +219,8 @@ LightRay LightRays::from(const Vec3& ws, const Vec3& toLight) const {
         const Vec2 at = m_light.slide ? pictureOfDome(m_light, toLight) : Vec2(0);
         return {toLight, kInfinity, m_light.intensity * pictureAt(at.x, at.y)};
     }
-    const Light::Area* area = m_light.area();
-    if (!area) {
-        const double half = std::sin(glm::radians(0.25 * std::get<Light::Distant>(m_light.kind).angle));
-        const double depth = 2 * half * half;  // 1 - cos of half the angle
-        if (1 + glm::dot(toLight, m_light.wsDirection) > depth) return {};
-        return {toLight, kInfinity, m_light.intensity / (2 * kPi * depth)};
-    }
-    const Vec3 to = m_light.wsPosition - ws;
-    if (area->shape == AreaShape::sphere) {
-        const double along = glm::dot(toLight, to);
-        const double inside = area->radius * area->radius - (glm::dot(to, to) - along * along);
-        if (inside < 0 || along < 0 || glm::dot(to, to) <= area->radius * area->radius) return {};
-        return {toLight, along - std::sqrt(inside), m_light.intensity};
-    }
-    if (area->shape == AreaShape::cylinder) {
-        // The nearer of both meetings with the round side.
-        const Vec3 d(0, glm::dot(toLight, m_frame[1]), glm::dot(toLight, m_frame[2]));
-        const Vec3 o(0, glm::dot(-to, m_frame[1]), glm::dot(-to, m_frame[2]));
-        const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - area->radius * area->radius;
-        if (a == 0 || c <= 0 || b * b < a * c || b > 0) return {};
-        const double t = (-b - std::sqrt(b * b - a * c)) / a;
-        if (std::abs(glm::dot(t * toLight - to, m_frame[0])) > 0.5 * area->width) return {};
-        return {toLight, t, m_light.intensity};
-    }
-    const double facing = -glm::dot(toLight, m_frame[2]), height = -glm::dot(to, m_frame[2]);
-    if (facing <= 0 || height <= 0) return {};
-    const double t = height / facing;
-    const Vec3 hit = t * toLight - to;
-    const double x = glm::dot(hit, m_frame[0]), y = glm::dot(hit, m_frame[1]);
-    Rgb radiance = Spread(area->spread).at(facing) * m_light.intensity;
-    if (area->shape == AreaShape::disk) {
-        if (x * x + y * y > area->radius * area->radius) return {};
-    } else {
-        if (std::abs(x) > 0.5 * area->width || std::abs(y) > 0.5 * area->height) return {};
-        radiance *= pictureAt(x / area->width + 0.5, 0.5 - y / area->height);
-    }
-    return {toLight, t, radiance};
+    const SeenLight seen = seenLight(m_light, ws, toLight);
+    return {toLight, seen.distance, seen.radiance};
 }
 
 LightRay LightRays::ray(const Vec3& ws, const Vec2& square) const {

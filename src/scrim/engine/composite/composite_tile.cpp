@@ -125,10 +125,12 @@ struct OpenPixels {
     int count = 0;
 };
 template <bool kFrontToBack>
-HWY_ATTR void findOpen(const Real* states, int floats, Real cutoff, OpenPixels& open) {
+HWY_ATTR void findOpen(const Real* states, const SheetList& sheets, Real cutoff, OpenPixels& open) {
+    const int floats = sheets.layout.floats();
     for (int k = 0; k < kTileSize; ++k) {
         open.pixels[open.count] = k;
-        open.count += !kFrontToBack || 1 + states[floats * k + floats - 1] >= cutoff ? 1 : 0;
+        const bool closed = sheets.closed ? sheets.closed[k] != 0 : 1 + states[floats * k + floats - 1] < cutoff;
+        open.count += !kFrontToBack || !closed ? 1 : 0;
     }
 }
 
@@ -140,7 +142,7 @@ HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, Real
     const int floats = sheets.layout.floats();
     const std::ptrdiff_t rowStride = static_cast<std::ptrdiff_t>(floats) * sheets.width;
     OpenPixels open;
-    findOpen<kFrontToBack>(states, floats, cutoff, open);
+    findOpen<kFrontToBack>(states, sheets, cutoff, open);
     if (open.count == 0) return;
     Addresses at;
     for (int s = 0; s < sheets.count; ++s) {
@@ -251,11 +253,14 @@ HWY_ATTR void addBeauty(const Real* samples, Real* states) {
 template <bool kFrontToBack>
 HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, Real* states, FirstDepth* first) {
 #if HWY_TARGET != HWY_SCALAR && !defined(SCRIM_DOUBLE)
-    if (sheet.layout.beautyAlone() && !sheet.part && !first) return addBeauty<kFrontToBack>(sheet.samples, states);
+    const bool allOpen = !sheet.closed || std::none_of(sheet.closed, sheet.closed + kTileSize, [](auto c) { return c; });
+    if (sheet.layout.beautyAlone() && !sheet.part && !first && allOpen)
+        return addBeauty<kFrontToBack>(sheet.samples, states);
 #endif
     const int floats = sheet.layout.floats(), quads = sheet.layout.quads();
     std::array<Real, 4 * 256> kept;
     for (int k = 0; k < kTileSize; ++k) {
+        if (sheet.closed && sheet.closed[k]) continue;
         const Real* sample = sheet.samples + floats * k;
         if (sheet.part && sheet.part[k] < 1) {
             keepPart(sheet.layout, sheet.part[k], sample, kept.data());

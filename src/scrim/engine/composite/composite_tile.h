@@ -16,6 +16,7 @@
 #include <scrim/engine/model/eye_view.h>
 
 #include <cstddef>
+#include <cstdint>
 
 namespace scrim {
 
@@ -26,6 +27,7 @@ struct SheetList {
     int width, height;  ///< of the planes, in texels
     OutputLayout layout = {};
     Simd simd = {};
+    const std::uint8_t* closed = nullptr;  ///< pixels that receive nothing; null: none
 };
 
 /// A sample of less opacity than this does not count as the first visible one.
@@ -45,6 +47,7 @@ struct SheetSamples {
     const Real* at = nullptr;  ///< only read if the first depth is requested
     OutputLayout layout = {};
     Simd simd = {};
+    const std::uint8_t* closed = nullptr;  ///< pixels that receive nothing; null: none
 };
 void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* state,
                       PixelTiles::FirstDepth* firstDepth = nullptr);

@@ -172,6 +172,21 @@ void Compositor::holdOut(int tile, const TileWalk& walk, const Real* part, const
     }
 }
 
+// The pixels of a tile that receive nothing of the walk's block; null: back to front, all do.
+const std::uint8_t* Compositor::closedIn(int tile, const TileWalk& walk) {
+    return m_frontToBack ? m_tiles.closed(tile, walk.block / kBlock, m_cutoff) : nullptr;
+}
+
+namespace {
+
+std::array<std::uint8_t, kTileSize> openIn(const std::uint8_t* closed) {
+    std::array<std::uint8_t, kTileSize> open;
+    for (std::size_t k = 0; k < kTileSize; ++k) open[k] = closed && closed[k] != 0 ? 0 : 1;
+    return open;
+}
+
+}  // namespace
+
 RenderWork Compositor::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
     const TileWalk walk = enter(tile, range, shaded);
     Real* states = m_tiles.states(tile);
@@ -181,14 +196,13 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
     std::array<Real, kBlock> steps{};
     int listed = 0;
     std::uint64_t walked = 0;
-    const bool mayStop = m_frontToBack && range.sheet == blockBegin(range.sheet);
+    const std::uint8_t* const closed = closedIn(tile, walk);
     const auto flush = [&] {
         if (listed == 0) return;
         const SheetList sheets{planes.data(),   steps.data(), listed,      shaded.width(),
-                               shaded.height(), layout,       m_eye.simd()};
-        const Real cutoff = mayStop ? m_cutoff : Real(0);
-        if (m_deep) keepDeep(tile, walk, sheets, cutoff);
-        compositeTile(walk.rays, sheets, m_frontToBack, cutoff, states, first);
+                               shaded.height(), layout,       m_eye.simd(), closed};
+        if (m_deep) keepDeep(tile, walk, sheets);
+        compositeTile(walk.rays, sheets, m_frontToBack, 0, states, first);
         walked += static_cast<std::uint64_t>(listed) * kTileSize;
         listed = 0;
     };
@@ -210,8 +224,8 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
                 samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples,
                             m_eye.simd());
                 holdOut(tile, walk, part, at, samples);
-                const SheetSamples cut{samples, part, at, layout, m_eye.simd()};
-                if (m_deep) m_deep->add(tile, walk.block + step, cut, static_cast<Real>(step));
+                const SheetSamples cut{samples, part, at, layout, m_eye.simd(), closed};
+                if (m_deep) m_deep->add(tile, walk.block + step, cut, static_cast<Real>(step), openIn(closed).data());
                 compositeSamples(walk.rays, cut, m_frontToBack, states, first);
                 walked += kTileSize;
             }
@@ -225,12 +239,8 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
 
 // Records the samples that compositeTile is about to add for the same rays. They are sampled once more, so that the
 // flat picture's own loop is not affected.
-void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheets, Real cutoff) {
-    const Real* states = m_tiles.states(tile);
-    const int floats = sheets.layout.floats();
-    std::array<std::uint8_t, kTileSize> open;
-    for (std::size_t k = 0; k < kTileSize; ++k)
-        open[k] = !m_frontToBack || 1 + states[floats * (k + 1) - 1] >= cutoff ? 1 : 0;
+void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheets) {
+    const auto open = openIn(sheets.closed);
     Real* samples = sampleScratch(sheets.layout);
     alignas(64) Real at[kTileSize];
     for (int s = 0; s < sheets.count; ++s) {
@@ -250,6 +260,7 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
     SampleTile points;
     alignas(64) Real part[kTileSize], at[kTileSize];
     Real* samples = sampleScratch(layout);
+    const std::uint8_t* const closed = closedIn(tile, walk);
     bool onward = false;  // the sheet before was crossed in its middle plane, too
     for (int i = 0; i < walk.planeCount; ++i) {
         const int p = walk.planes[i];
@@ -280,9 +291,9 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
                                               onward && seen == Seen::all, samples, work.shade);
         onward = seen == Seen::all;
         if (!shows) continue;
-        const SheetSamples shaded{samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd()};
+        const SheetSamples shaded{samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd(), closed};
         if (shaded.part) holdOut(tile, walk, part, at, samples);
-        if (m_deep) m_deep->add(tile, walk.block + step, shaded, static_cast<Real>(step));
+        if (m_deep) m_deep->add(tile, walk.block + step, shaded, static_cast<Real>(step), openIn(closed).data());
         compositeSamples(walk.rays, shaded, m_frontToBack, states, first);
     }
     return work;

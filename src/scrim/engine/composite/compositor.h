@@ -41,7 +41,8 @@ class Compositor {
     void holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const;
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
     RenderWork compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
-    void keepDeep(int tile, const TileWalk& walk, const SheetList& sheets, Real cutoff);
+    void keepDeep(int tile, const TileWalk& walk, const SheetList& sheets);
+    const std::uint8_t* closedIn(int tile, const TileWalk& walk);
     RenderWork shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells, const SheetShader& shader);
     TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, const Int2& cells) const;
     template <class BoxOf, class Walk>

@@ -20,6 +20,16 @@ Box2<int> PixelTiles::tilesIn(const Box2<double>& positions) const {
          tile(positions.x1, m_region.x0, m_tilesX) + 1, tile(positions.y1, m_region.y0, m_tilesY) + 1});
 }
 
+const std::uint8_t* PixelTiles::closed(int tile, int block, Real cutoff) {
+    std::uint8_t* const closed = m_closed.data() + std::size_t(tile) * kTileSize;
+    if (int& at = m_closedAt[std::size_t(tile)]; at != block) {
+        at = block;
+        const Real* last = states(tile) + m_layout.floats() - 1;  // the smallest opacity
+        for (int k = 0; k < kTileSize; ++k, last += m_layout.floats()) closed[k] = 1 + *last < cutoff ? 1 : 0;
+    }
+    return closed;
+}
+
 bool PixelTiles::anyOpen(const Box2<int>& tiles) const {
     const Box2<int> box = intersection(tiles, {0, 0, m_tilesX, m_tilesY});
     for (int ty = box.y0; ty < box.y1; ++ty)

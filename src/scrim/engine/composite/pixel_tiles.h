@@ -49,6 +49,8 @@ class PixelTiles {
         m_states = ZeroedArray<Real>(std::size_t(count()) * tileFloats());
         m_depth = ZeroedArray<FirstDepth>(m_keepsDepth ? std::size_t(count()) * kTileSize : 0);
         m_opaque.assign(std::size_t(count()), 0);
+        m_closed = ZeroedArray<std::uint8_t>(std::size_t(count()) * kTileSize);
+        m_closedAt.assign(std::size_t(count()), -1);
     }
 
     const PixelWindow& region() const { return m_region; }
@@ -75,7 +77,10 @@ class PixelTiles {
         const int tile = dy / kTileEdge * m_tilesX + dx / kTileEdge;
         return std::size_t(tile) * kTileSize + std::size_t(dy % kTileEdge * kTileEdge + dx % kTileEdge);
     }
-    std::size_t bytes() const { return m_states.size() * sizeof(Real) + m_depth.size() * sizeof(FirstDepth); }
+    std::size_t bytes() const { return m_states.size() * sizeof(Real) + m_depth.size() * sizeof(FirstDepth) + m_closed.size(); }
+    /// For each of a tile's pixels whether it was opaque (a transmittance below `cutoff`) where block `block` of sheets
+    /// began: it then receives nothing of the block, whichever batches and tiles the block and the pixel are in.
+    const std::uint8_t* closed(int tile, int block, Real cutoff);
     bool opaque(int tile) const { return m_opaque[tile] != 0; }
     void setOpaque(int tile) { m_opaque[tile] = 1; }
 
@@ -96,6 +101,8 @@ class PixelTiles {
     ZeroedArray<Real> m_states;
     ZeroedArray<FirstDepth> m_depth;
     std::vector<std::uint8_t> m_opaque;
+    ZeroedArray<std::uint8_t> m_closed;
+    std::vector<int> m_closedAt;  // for each tile the block that m_closed is for
 };
 
 /// Objects that hide parts of pixels' rays: solids and depth pictures, at which rays end, and samples of deep pictures,

@@ -61,6 +61,9 @@ void CellField::setLamp(const Light& lamp, const Phase& phase, const Camera& cam
     m_attenuated = attenuated;
     if (lamp.luminaire) m_lampFrame = lightFrame(lamp);
     m_phase = phase;
+    m_caps = nullptr;
+    if (radiusOfSphere(lamp) > 0 && !phase.isotropic())
+        m_caps = std::make_shared<const PhaseOverCaps>(phase, 0.5 * std::numbers::pi);
     m_camera = camera;
     m_hollow = hollowOnCells(lamp, m_grid->edge());
     m_near = nearby ? nearestFar(lamp, m_grid->edge()) : 0;
@@ -143,8 +146,10 @@ double CellField::lampFactor(const Vec3& ws) const {
     const double radius = radiusOfSphere(*m_lamp);
     const double cosine = r > radius ? std::sqrt(1 - radius * radius / (r * r)) : 0;
     constexpr double kEven = 1 / (4 * std::numbers::pi);
-    const double factor =
-        m_phase.isotropic() ? kEven : phaseOver(m_phase, cosine, glm::dot(travel, travelToEye(m_camera, ws)));
+    const double toEye = m_phase.isotropic() ? 0 : glm::dot(travel, travelToEye(m_camera, ws));
+    const double factor = m_phase.isotropic() ? kEven
+                          : m_caps            ? m_caps->at(toEye, std::acos(cosine))
+                                              : phaseValue(m_phase, toEye);
     return radius > 0 ? factor * 2 * std::numbers::pi * radius * radius / (1 + cosine) : factor;
 }
 

@@ -9,6 +9,7 @@
 #include <scrim/geometry/camera.h>
 #include <scrim/scene/light.h>
 #include <scrim/scene/medium.h>
+#include <scrim/scene/phase_over_caps.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -99,6 +100,7 @@ class CellField {
     double m_near = 0;      // of a lamp that shares cells: how far those of its own reach, world units; 0: it is alone
     bool m_hollow = false;  // the lamp is a sphere whose light begins at its surface
     Phase m_phase;          // towards the camera, of a lamp's light
+    std::shared_ptr<const PhaseOverCaps> m_caps;  // of a sphere, which fills a cone; null: of a point, or isotropic
     Camera m_camera;
     std::vector<std::shared_ptr<const CellField>> m_lamps;  // of lamps that share this
     std::vector<Real> m_values;                             // [block][padded cell][colour]

@@ -36,17 +36,13 @@ struct CellRays {
     std::optional<std::tuple<double, Vec3, Mat3>> pattern = {};  ///< of a part of a mesh: CellSlices::seriesOf
     bool attenuated = true;                                      ///< false: only surfaces hold the light back
     bool blocked = false;                                        ///< surfaces hold the light back
-    /// What the source stands for, where that is wider than lobes: parallel rays have a phase function of their own
-    /// (null: it is CellView's), others the area that the caps of CellView are those of, in cells; 0: none.
-    const Real* phaseRow = nullptr;
-    double area = 0;
+    const Real* phaseRow = nullptr;  ///< in place of CellView's phase function (PhaseRow); null: that one
     Real weight[3] = {0, 0, 0};
 };
 
 /// What all sources of a sweep share.
 struct CellView {
     Phase phase;  ///< towards the eye
-    const PhaseOverCaps* caps = nullptr;  ///< of `phase`; null: no source is wider than lobes
     bool parallelEye = true;
     Vec3 eye{0};  ///< its place, in the axes of CellSlices and in cells; parallel: the direction towards it
     std::size_t colours = 1;
@@ -97,10 +93,6 @@ class TowardsEye {
     /// The same by a row (PhaseRow) in place of the phase function.
     HWY_ATTR V8 in(const Real* row, V8 x, V8 y, V8 z, V8 i, double j, double k) const {
         return rowAt(D8(), row, entryOf(D8(), cosineAt(x, y, z, i, j, k)));
-    }
-    /// The mean over caps of these half angles, radians.
-    HWY_ATTR V8 over(V8 halfAngle, V8 x, V8 y, V8 z, V8 i, double j, double k) const {
-        return capsAt(D8(), *m_view.caps, halfAngle, cosineAt(x, y, z, i, j, k));
     }
 
   private:
@@ -335,6 +327,7 @@ class PointRaster {
         const V8 fy = value8(row - q), half = value8(0.5), ahead = value8(m_down ? -z : z),
                  perCell = value8(1 / (z * m_cell)), first = value8(-m_begin[0] / m_cell);
         const bool constant = towards.constantFor(false);
+        const Real* lobes = m_rays.phaseRow;
         const V8 phase = value8(constant ? towards.constantAt({0, 0, 1}) : 0);
         for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
             const V8 center = hn::Add(counted(i), half), x = hn::Sub(center, value8(m_rays.from.x));
@@ -356,21 +349,16 @@ class PointRaster {
                                hn::GatherIndex(d, beside, p), hn::GatherIndex(d, beside, next), value8(z), fx, fy);
                 light = hn::Mul(light, open);
             }
-            V8 facing = value8(1);
-            if (m_rays.oneSided) facing = hn::Max(dot8(wx, wy, wz, m_rays.way), hn::Zero(d));
             if (m_rays.decayScale > 0)
                 light = hn::Div(hn::Mul(light, value8(m_rays.decayScale)), hn::Max(r2, value8(m_rays.radius2)));
-            if (m_rays.oneSided) light = hn::Mul(light, throughSpread(facing));
+            if (m_rays.oneSided) {
+                const V8 facing = dot8(wx, wy, wz, m_rays.way);
+                light = hn::Mul(light, throughSpread(hn::Max(facing, hn::Zero(d))));
+            }
             if (m_rays.pattern) light = hn::Mul(light, sentAlong(wx, wy, wz));
-            const auto byPhase = [&]() HWY_ATTR {
-                if (constant) return phase;
-                if (m_rays.area == 0) return towards.at(wx, wy, wz, center, j + 0.5, k + 0.5);
-                // A cap as wide as the source is seen.
-                const V8 solidAngle = hn::Div(hn::Mul(value8(m_rays.area), facing), r2);
-                const V8 half = hn::Sqrt(hn::Mul(value8(1 / std::numbers::pi), solidAngle));
-                return towards.over(half, wx, wy, wz, center, j + 0.5, k + 0.5);
-            };
-            light = hn::Mul(light, byPhase());
+            light = hn::Mul(light, constant ? phase
+                                   : lobes  ? towards.in(lobes, wx, wy, wz, center, j + 0.5, k + 0.5)
+                                            : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5));
             // Cells beyond the face belong to another one.
             light = hn::IfThenElseZero(hn::Lt(counted(i), value8(span.end)), light);
             addTo(box, view, m_rays, i, j, k, light);

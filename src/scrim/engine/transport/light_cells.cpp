@@ -5,6 +5,7 @@
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/transport/cell_media.h>
 #include <scrim/engine/transport/light_sources.h>
+#include <scrim/scene/light_at.h>
 
 #include <algorithm>
 #include <map>
@@ -98,8 +99,8 @@ struct Sources {
     std::vector<Light> lights;
     std::vector<int> owners;  // for each the index of the light that it is a part of, ascending
     std::vector<double> parts = {};  // SubLights::parts of each; empty: none stands for others
-    std::vector<bool> ofSky = {};    // of each whether it is a direction of a dome
-    std::vector<int> skies = {};     // these domes, in the scene's numbers
+    std::vector<bool> ofMesh = {};   // whether each is a part of a mesh
+    std::vector<int> wholes = {};    // indices of the lights that are seen as they are: all but meshes
     Rgb tint{1};
     std::size_t colours = 1;  // 3 if the lights differ in colour
     bool lamp = false;        // points of a lamp, of which the transmittance alone is asked
@@ -123,6 +124,10 @@ Sources sourcesOfLamp(const Light& light, int count) {
     return lamp;
 }
 
+bool isMesh(const Light& light) {
+    return light.area() && light.area()->shape == AreaShape::mesh;
+}
+
 Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     Sources out;
     if (const Light& first = scene.lights[std::size_t(lights.front())]; isLampOnCells(scene, first))
@@ -140,10 +145,10 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
             out.lights.push_back(all.lights[i]);
             out.owners.push_back(all.ownerOf(static_cast<int>(i)));
             out.parts.push_back(all.parts[i]);
-            out.ofSky.push_back(alone.lights[std::size_t(out.owners.back())].dome() != nullptr);
+            out.ofMesh.push_back(isMesh(alone.lights[std::size_t(out.owners.back())]));
         }
     for (const int i : lights)
-        if (scene.lights[std::size_t(i)].dome()) out.skies.push_back(i);
+        if (!isMesh(scene.lights[std::size_t(i)])) out.wholes.push_back(i);
     if (out.lights.empty()) return out;
     out.tint = out.lights.front().intensity;
     for (const Light& light : out.lights)
@@ -152,37 +157,14 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     return out;
 }
 
-// How sources that are wider than the lobes of a phase function are scattered towards the eye.
-struct WidePhases {
-    std::optional<PhaseOverCaps> caps;            // of elements of surfaces
-    std::vector<std::shared_ptr<PhaseRow>> rows;  // for each source; null: the phase function itself
-    std::optional<CutPhase> sky;                  // of directions of a sky, whose peaks are traced (addPeaks)
-};
-
-WidePhases widePhases(const ViewScene& scene, const Sources& sources, const Phase& phase) {
-    WidePhases wide;
-    wide.rows.resize(sources.lights.size());
+// The phase function for sources that are wider than its lobes. Nothing: they are not.
+std::optional<CutPhase> cutPhase(const ViewScene& scene, const Sources& sources, const Phase& phase) {
     const Bounds box = wsBounds(scene);
-    double surface = 0, sky = 0;
-    for (std::size_t i = 0; i < sources.parts.size(); ++i) {
-        if (!sources.lights[i].distant()) surface = std::max(surface, widestCap(sources.lights[i], sources.parts[i], box));
-        if (sources.ofSky[i]) sky = std::max(sky, sources.parts[i]);
-    }
-    if (needsCaps(phase, surface)) wide.caps.emplace(phase, surface);
-    std::shared_ptr<PhaseRow> ofSky;
-    if (needsCaps(phase, capOf(sky))) {
-        wide.sky.emplace(phase, std::sqrt(sky));
-        ofSky = std::make_shared<PhaseRow>(wide.sky->row);
-    }
-    std::pair<double, std::shared_ptr<PhaseRow>> sun;  // of parts of one size
-    for (std::size_t i = 0; i < sources.parts.size(); ++i) {
-        if (sources.ofSky[i]) wide.rows[i] = ofSky;
-        const double half = sources.ofSky[i] || !sources.lights[i].distant() ? 0 : capOf(sources.parts[i]);
-        if (!needsCaps(phase, half)) continue;
-        if (sun.first != half) sun = {half, std::make_shared<PhaseRow>(PhaseOverCaps(phase, half).row(half))};
-        wide.rows[i] = sun.second;
-    }
-    return wide;
+    double widest = 0;
+    for (std::size_t i = 0; i < sources.parts.size(); ++i)
+        if (!sources.ofMesh[i]) widest = std::max(widest, widestCap(sources.lights[i], sources.parts[i], box));
+    if (sources.wholes.empty() || !needsCaps(phase, widest)) return std::nullopt;
+    return CutPhase(phase, std::sqrt(std::numbers::pi) * widest);  // the edge of a square as large as the cap
 }
 
 // One pass of some sources of light through the cells, for one or all colours.
@@ -193,11 +175,10 @@ class Pass {
 
     // `colour`: the only one that the slices' extinction is for; -1: all.
     // `lamp`: what the sources stand for, if it is a lamp. `far`: what it shares with other lamps, if it does.
-    void add(const Sources& sources, const Phase& phase, const WidePhases& wide, const Light* lamp, int colour,
+    void add(const Sources& sources, const Phase& phase, const PhaseRow* lobes, const Light* lamp, int colour,
              CellSlices& slices, CellField& field, CellField* far = nullptr) const {
         const std::size_t colours = colour < 0 ? field.colours() : 1;
-        CellView view{phase, wide.caps ? &*wide.caps : nullptr, m_scene.camera.type == CameraType::orthographic, {},
-                      colours, {}};
+        CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours, {}};
         view.eye =
             view.parallelEye ? slices.reordered(-viewingAxis(m_scene.camera)) : slices.place(m_scene.camera.wsPosition);
         if (sources.blocked)
@@ -213,7 +194,7 @@ class Pass {
         for (auto first = sources.owners.begin(), last = first; first != end; first = last) {
             last = std::upper_bound(first, end, *first);
             slices.clearSums(colours);
-            sweep(sources, wide, std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view,
+            sweep(sources, lobes, std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view,
                   slices);
             if (!lamp && sources.attenuated) slices.sharpen(colours);
             slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
@@ -224,14 +205,13 @@ class Pass {
 
   private:
     // Adds the light of `count` sources from `first` on to the sums of the slices.
-    void sweep(const Sources& sources, const WidePhases& wide, std::size_t first, std::size_t count, int colour,
+    void sweep(const Sources& sources, const PhaseRow* lobes, std::size_t first, std::size_t count, int colour,
                const CellView& view, CellSlices& slices) const {
         std::vector<CellRays> suns[2], points;  // suns: those that go up, and those that go down
         for (std::size_t i = first; i < first + count; ++i) {
             const Light& light = sources.lights[i];
             CellRays rays = raysOf(sources, light, slices);
-            if (!wide.rows.empty() && wide.rows[i]) rays.phaseRow = wide.rows[i]->data();
-            if (view.caps && !rays.parallel) rays.area = sources.parts[i] / (m_grid.edge() * m_grid.edge());
+            if (lobes && !sources.ofMesh[i]) rays.phaseRow = lobes->data();
             // Relative to the tint where there is one value for all colours.
             for (int c = 0; c < static_cast<int>(view.colours); ++c)
                 rays.weight[c] = static_cast<Real>(sources.colours == 3 ? light.intensity[colour < 0 ? c : colour]
@@ -296,7 +276,7 @@ struct Job {
     std::shared_ptr<CellField> far = nullptr;   // of a lamp: what it shares with others; null: it is alone
     std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
     std::size_t media = 0;                      // index of what holds the light back (addMedia)
-    WidePhases wide = {};
+    std::optional<CutPhase> cut = {};           // of `phase`
 };
 
 // Lights share a field unless layers, or the volumes that cast shadows in them, tell them apart. Lamps share one with
@@ -368,36 +348,56 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
             if (sources.colours == 3) sources.tint = Rgb(1);
             field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
             if (lamps) field->setLamp(first, phase, scene.camera, sources.attenuated, false);
-            WidePhases wide;
-            if (!lamps) wide = widePhases(scene, sources, phase);
+            std::optional<CutPhase> cut;
+            if (!lamps) cut = cutPhase(scene, sources, phase);
             jobs.push_back({lit.front(), std::move(sources), phase, field, lamps ? &first : nullptr});
-            jobs.back().wide = std::move(wide);
+            jobs.back().cut = std::move(cut);
         }
         for (const int v : volumes) light.ofVolume[std::size_t(v)] = field;
     }
     return jobs;
 }
 
-// Adds the light of skies in the peaks of a phase function that their directions do not resolve. They are so narrow that
-// it comes from where the eye looks, or from behind it.
+// Adds the light in the peaks of a phase function that were cut off for the sources. It comes from where the eye looks, or
+// from behind it, and rays find it in the lights as they are, with their edges.
 void addPeaks(const ViewScene& scene, const Job& job, const CellMedia& media, const std::function<void()>& checkpoint) {
-    if (!job.wide.sky) return;
+    if (!job.cut) return;
     checkpoint();
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const Rgb tint = job.sources.tint;
-    job.field->add([&](const Vec3& ws) {
+    const auto along = [&](const Vec3& ws, const Vec3& way) {
         Rgb sum(0);
-        const Vec3 toEye = travelToEye(scene.camera, ws);
-        for (const auto& [part, way] : {std::pair(job.wide.sky->onwards, -toEye), {job.wide.sky->backwards, toEye}}) {
-            if (part < 1e-4) continue;
-            if (job.sources.blocked && scene.solids->firstHit(SolidRole::shadow, ws, way, 0, kInfinity) < kInfinity)
+        for (const int i : job.sources.wholes) {
+            const Light& light = scene.lights[std::size_t(i)];
+            const SeenLight seen = light.dome() ? SeenLight{skyAt(light, way)} : seenLight(light, ws, way);
+            if (seen.radiance == Rgb(0)) continue;
+            if (job.sources.blocked &&
+                scene.solids->firstHit(SolidRole::shadow, ws, way, 0, seen.distance) < seen.distance)
                 continue;
-            Rgb light(0);
-            for (const int i : job.sources.skies) light += skyAt(scene.lights[std::size_t(i)], way);
-            if (job.sources.attenuated) light *= glm::exp(-depthAlong(media, ws, way));
-            sum += part * light;
+            sum += job.sources.attenuated ? seen.radiance * glm::exp(-depthAlong(media, ws, way, seen.distance))
+                                          : seen.radiance;
         }
-        return job.sources.colours == 1 ? Rgb(largest(sum) / largest(tint)) : sum;
+        return sum;
+    };
+    // A peak is one ray, or also six around it, so that its mean cosine is kept.
+    constexpr double kNarrow = 1e-3, kAround = 0.75;
+    constexpr int kRays = 6;
+    const double depth = job.cut->spread / kAround, aside = std::sqrt(depth * (2 - depth));
+    const auto around = [&](const Vec3& ws, const Vec3& way) {
+        const Rgb middle = along(ws, way);
+        if (depth < kNarrow) return middle;
+        const Mat3 frame = frameAround(way);
+        Rgb sum(0);
+        for (int i = 0; i < kRays; ++i) {
+            const double turn = 2 * std::numbers::pi * i / kRays;
+            sum += along(ws, (1 - depth) * way + aside * (std::cos(turn) * frame[0] + std::sin(turn) * frame[1]));
+        }
+        return (1 - kAround) * middle + kAround / kRays * sum;
+    };
+    job.field->add([&](const Vec3& ws) {
+        const Vec3 toEye = travelToEye(scene.camera, ws);
+        Rgb sum(0);
+        if (job.cut->onwards > kNarrow) sum += job.cut->onwards * around(ws, -toEye);
+        if (job.cut->backwards > kNarrow) sum += job.cut->backwards * around(ws, toEye);
+        return job.sources.colours == 1 ? Rgb(largest(sum) / largest(job.sources.tint)) : sum;
     });
 }
 
@@ -449,7 +449,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             m == 0 ? slices.fill(media[m].extinction[c], reach) : slices.refill(media[m].extinction[c]);
             for (const Job& job : jobs)
                 if (job.media == m)
-                    pass.add(job.sources, job.lamp ? Phase() : job.phase, job.wide, job.lamp,
+                    pass.add(job.sources, job.lamp ? Phase() : job.phase, job.cut ? &job.cut->row : nullptr, job.lamp,
                              grey ? -1 : static_cast<int>(c), slices, *job.field, job.far.get());
         }
         for (const Job& job : jobs) {
@@ -458,7 +458,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             Sources open = sourcesOfLamp(*job.lamp, kForEdges * static_cast<int>(job.sources.lights.size()));
             open.attenuated = false;
             open.blocked = true;
-            pass.add(open, Phase(), {}, nullptr, -1, slices, *job.open);
+            pass.add(open, Phase(), nullptr, nullptr, -1, slices, *job.open);
         }
         most = std::max(most, slices.bytes());
     }

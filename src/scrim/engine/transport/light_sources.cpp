@@ -363,8 +363,8 @@ void FirstLight::addTo(const Ordinates& along, const std::vector<ScatterClass>& 
             source[row * values + m] += media.emission[std::size_t(m_colour)][cells[row]];
 }
 
-Rgb depthAlong(const CellMedia& media, const Vec3& ws, const Vec3& direction) {
-    return opticalDepths(media, ws, direction, kInfinity).tau;
+Rgb depthAlong(const CellMedia& media, const Vec3& ws, const Vec3& direction, double distance) {
+    return opticalDepths(media, ws, direction, distance).tau;
 }
 
 Rgb skyAt(const Light& sky, const Vec3& direction) {

@@ -63,8 +63,8 @@ class FirstLight {
     std::vector<Real> m_onSides;  // of walls: the radiance that they send back
 };
 
-/// The optical depth from `ws` along a direction (unit) through all of the cells.
-Rgb depthAlong(const CellMedia& media, const Vec3& ws, const Vec3& direction);
+/// The optical depth of the cells from `ws` along a direction (unit), over a distance that may be infinite.
+Rgb depthAlong(const CellMedia& media, const Vec3& ws, const Vec3& direction, double distance);
 
 /// The radiance of a sky in a direction (unit, towards the sky), without the suns that are split off.
 Rgb skyAt(const Light& sky, const Vec3& direction);
