@@ -63,8 +63,9 @@ void addCamera(Lines& out, Draws& d) {
         out.add("height", d.between(3, 2));
     else if (d.once(0.3)) {
         out.add("focal_length", 35);
-        out.add("aperture", d.word({"24", "[24, 20]"}));
-        if (d.once(0.5)) out.addWord("fit", d.word({"horizontal", "vertical", "fill", "overscan"}));
+        const bool film = d.once(0.7);
+        out.add("aperture", film ? "[24, 20]" : "24");
+        if (film && d.once(0.6)) out.addWord("fit", d.word({"horizontal", "vertical", "fill", "overscan"}));
     } else {
         out.add("fov", d.between(30, 50));
         if (d.once(0.2)) out.addWord("fov_axis", d.word({"horizontal", "vertical", "diagonal"}));
@@ -79,6 +80,7 @@ void addCamera(Lines& out, Draws& d) {
 }
 
 void addClassified(Lines& out, Draws& d) {
+    out.note("volume.classified");
     out.section("[volume.classified]", "classified");
     const double most = d.logBetween(4, 60), from = d.between(0.1, 0.4);
     out.add("transfer",
@@ -153,9 +155,12 @@ void addVolume(Lines& out, Draws& d, std::size_t number, const std::vector<std::
     if (number > 0 && d.once(0.1)) out.add("holdout", true);
     if (d.once(0.1)) out.addWord("interpolation", d.word({"linear", "smooth"}));
     const double scale = d.of({4.0, 1.0, 10.0, 0.02, 40.0});
-    out.add("density", fmt::format("{{ scale = {:.4g}{} }}", scale, d.once(0.1) ? ", ramp = [[0, 0], [1, 0.7]]" : ""));
+    const bool ramp = d.once(0.1);
+    out.add("density", fmt::format("{{ scale = {:.4g}{} }}", scale, ramp ? ", ramp = [[0, 0], [1, 0.7]]" : ""));
     out.note("density.scale");
+    if (ramp) out.note("density.ramp");
     if (d.once(0.2)) return addClassified(out, d);
+    out.note("volume.medium");
     out.section("[volume.medium]", "medium");
     const bool grid = d.once(0.1);
     out.add("albedo", grid ? std::string("{ grid = \"Cd\" }") : d.colour());
@@ -200,9 +205,13 @@ void addLight(Lines& out, Draws& d, std::size_t number, std::size_t meshes) {
     if (d.once(0.1)) out.add("exposure", d.between(0, -2));
     if (d.once(0.1)) out.add("temperature", d.between(3000, 9000));
     const bool slide = type == "projector" || ((type == "distant" || type == "spot") && d.once(0.2));
-    if (type != "dome" && type != "distant") out.add("position", d.point(d.of({3.0, 1.5, 8.0, 0.5})));
-    if (type == "distant" || type == "spot" || type == "projector" || type == "area")
-        out.add("direction", d.direction());
+    const std::string shape =
+        type != "area" ? "" : d.word({"rectangle", "disk", "sphere", "cylinder", meshes > 0 ? "mesh" : "sphere"});
+    const std::string place = d.point(d.of({3.0, 1.5, 8.0, 0.5})), way = d.direction();
+    if (type != "dome" && type != "distant" && shape != "mesh") out.add("position", place);
+    if (type == "distant" || type == "spot" || type == "projector" || shape == "rectangle" || shape == "disk" ||
+        shape == "cylinder")
+        out.add("direction", way);
     if (type == "distant" && slide) out.add("position", d.point(0.5));
     if (type == "distant" && !slide && d.once(0.4)) out.add("angle", d.of({5.0, 0.5, 40.0, 120.0}));
     if (type == "dome" && d.once(0.4)) {
@@ -211,7 +220,6 @@ void addLight(Lines& out, Draws& d, std::size_t number, std::size_t meshes) {
         if (d.once(0.4)) out.add("rotation", d.between(0, 360));
     }
     if (type == "area") {
-        const std::string shape = d.word({"rectangle", "disk", "sphere", "cylinder", meshes > 0 ? "mesh" : "rectangle"});
         out.addWord("shape", shape);
         const double size = d.of({0.8, 0.2, 2.5});
         if (shape == "rectangle" || shape == "cylinder") out.add("width", size);

@@ -68,8 +68,14 @@ Plan planOf(const ViewScene& scene, int threads = 1) {
     const Plan plan = makePlan(scene, threads);
     const RenderWork& w = plan.work;
     const double work = double(w.footprints) + double(w.texelsShaded) + double(w.lightSamples) + double(w.pixelSheets);
-    if (work > 1.2e8 || plan.groups.size() > 120 || plan.transport.cells * plan.transport.ordinates > 6e7)
-        throw Skipped();
+    // A pass over the cells for each point or direction of the lights that are kept there.
+    double passes = 0;
+    for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i) {
+        const Vec3 cells = wsBounds(scene).size() / plan.cellLights.edges[i] + 4.0;
+        passes += pointsOnCells(scene, scene.lights[std::size_t(plan.cellLights.lights[i])]) * cells.x * cells.y * cells.z;
+    }
+    const double solves = plan.transport.cells * plan.transport.ordinates * double(plan.transport.targets.size());
+    if (work > 5e7 || plan.groups.size() > 50 || solves > 3e7 || passes > 5e7) throw Skipped();
     return plan;
 }
 

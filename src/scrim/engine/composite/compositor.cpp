@@ -112,9 +112,9 @@ Compositor::TileWalk Compositor::enter(int tile, const Range& range, const Plane
 
     // The four corners are tested first, since a batch that misses the tile must cost next to nothing. They stay within
     // the picture, outside of which rays of a wide eye may diverge from the planes.
-    const int x1 = std::min(x0 + kTileEdge, m_tiles.region().x1), y1 = std::min(y0 + kTileEdge, m_tiles.region().y1);
+    const PixelWindow seen = intersection({x0, y0, x0 + kTileEdge, y0 + kTileEdge}, m_tiles.region());
     EyeView::Ray corners[4];
-    for (int i = 0; i < 4; ++i) corners[i] = m_eye.ray(i & 1 ? x1 : x0, i & 2 ? y1 : y0, reference);
+    for (int i = 0; i < 4; ++i) corners[i] = m_eye.ray(i & 1 ? seen.x1 : seen.x0, i & 2 ? seen.y1 : seen.y0, reference);
     for (int p = range.firstPlane; p < range.lastPlane; ++p) {
         const int step = p + walk.firstStep;
         auto texels = Box2<double>::nothing();

@@ -160,12 +160,13 @@ void DeepRays::add(int index, int number, const SheetSamples& from, Real step, c
     const OutputLayout& layout = m_pixels.layout();
     const int floats = layout.floats(), opacities = floats - 4;
     const int beauties = layout.beauty ? 1 : layout.quadOf(layout.beautyParts);
-    const int width = m_pixels.region().x1 - m_pixels.cornerX(index);
-    const int height = m_pixels.region().y1 - m_pixels.cornerY(index);
+    const PixelWindow& region = m_pixels.region();
     const auto sheet = static_cast<float>(number);
     const std::size_t samples = tile.samples.size();
     for (int k = 0; k < kTileSize; ++k) {
-        if (k % kTileEdge >= width || k / kTileEdge >= height || (open && !open[k])) continue;
+        if (!region.contains(m_pixels.cornerX(index) + k % kTileEdge, m_pixels.cornerY(index) + k / kTileEdge) ||
+            (open && !open[k]))
+            continue;
         const Real* values = from.samples + floats * k;
         Sample sample{m_frontToBack ? sheet : -sheet - 1,
                       m_frontToBack ? sheet + 1 : -sheet,

@@ -16,8 +16,8 @@ Box2<int> PixelTiles::tilesIn(const Box2<double>& positions) const {
     };
     return intersection<int>(
         {0, 0, m_tilesX, m_tilesY},
-        {tile(positions.x0, m_region.x0, m_tilesX), tile(positions.y0, m_region.y0, m_tilesY),
-         tile(positions.x1, m_region.x0, m_tilesX) + 1, tile(positions.y1, m_region.y0, m_tilesY) + 1});
+        {tile(positions.x0, m_window.x0, m_tilesX), tile(positions.y0, m_window.y0, m_tilesY),
+         tile(positions.x1, m_window.x0, m_tilesX) + 1, tile(positions.y1, m_window.y0, m_tilesY) + 1});
 }
 
 const std::uint8_t* PixelTiles::closed(int tile, int block, Real cutoff) {

@@ -7,6 +7,7 @@
 #include <scrim/base/zeroed_array.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/image/image.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/geometry/camera.h>
@@ -39,8 +40,9 @@ class PixelTiles {
         : m_region(region),
           m_layout(layout),
           m_keepsDepth(depth),
-          m_tilesX((region.width() + kTileEdge - 1) / kTileEdge),
-          m_tilesY((region.height() + kTileEdge - 1) / kTileEdge) {
+          m_window(tilesAround(region)),
+          m_tilesX(m_window.width() / kTileEdge),
+          m_tilesY(m_window.height() / kTileEdge) {
         reset();
     }
 
@@ -59,8 +61,8 @@ class PixelTiles {
     int tilesX() const { return m_tilesX; }
     int tilesY() const { return m_tilesY; }
     /// Raster position of the tile's corner.
-    int cornerX(int tile) const { return m_region.x0 + tile % m_tilesX * kTileEdge; }
-    int cornerY(int tile) const { return m_region.y0 + tile / m_tilesX * kTileEdge; }
+    int cornerX(int tile) const { return m_window.x0 + tile % m_tilesX * kTileEdge; }
+    int cornerY(int tile) const { return m_window.y0 + tile / m_tilesX * kTileEdge; }
     const OutputLayout& layout() const { return m_layout; }
     /// States of the tile's 256 pixels: (C, -A) in the layout, see composite_tile.h.
     Real* states(int tile) { return m_states.data() + std::size_t(tile) * tileFloats(); }
@@ -73,7 +75,7 @@ class PixelTiles {
     Real depth(int x, int y) const { return m_depth[indexOf(x, y)].depth; }
     /// The index of pixel (x, y) of the region: tile after tile, kTileSize pixels each.
     std::size_t indexOf(int x, int y) const {
-        const int dx = x - m_region.x0, dy = y - m_region.y0;
+        const int dx = x - m_window.x0, dy = y - m_window.y0;
         const int tile = dy / kTileEdge * m_tilesX + dx / kTileEdge;
         return std::size_t(tile) * kTileSize + std::size_t(dy % kTileEdge * kTileEdge + dx % kTileEdge);
     }
@@ -97,6 +99,7 @@ class PixelTiles {
     PixelWindow m_region;
     OutputLayout m_layout;
     bool m_keepsDepth;
+    PixelWindow m_window;  // of all tiles
     int m_tilesX, m_tilesY;
     ZeroedArray<Real> m_states;
     ZeroedArray<FirstDepth> m_depth;

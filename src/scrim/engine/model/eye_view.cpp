@@ -144,12 +144,12 @@ Lattice EyeView::lattice(const PixelWindow& region, int guardTiles) const {
     Lattice raster;
     raster.kind = m_orthographic ? Lattice::Kind::parallel : Lattice::Kind::perspective;
     raster.guardTiles = guardTiles;
-    const auto edge = [&](int pixels) { return roundUpToTile(pixels) + 2 * guardTiles * kTileEdge; };
-    raster.width = edge(region.width());
-    raster.height = edge(region.height());
+    const PixelWindow tiles = tilesAround(region);
+    raster.width = tiles.width() + 2 * guardTiles * kTileEdge;
+    raster.height = tiles.height() + 2 * guardTiles * kTileEdge;
     // (x, y, t) or (x t, y t, t) of points relative to the rays' origin; the shift then puts pixel centres at integers.
     const Mat3& m = m_rasterFromOffset;
-    const double shift[2] = {guardTiles * kTileEdge - region.x0 - 0.5, guardTiles * kTileEdge - region.y0 - 0.5};
+    const double shift[2] = {guardTiles * kTileEdge - tiles.x0 - 0.5, guardTiles * kTileEdge - tiles.y0 - 0.5};
     const auto row = [&](int i) {
         return glm::dvec4(m[0][i], m[1][i], m[2][i], -glm::dot(Vec3(m[0][i], m[1][i], m[2][i]), m_ts.origin0));
     };

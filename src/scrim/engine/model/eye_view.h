@@ -28,6 +28,14 @@ struct SampleSpacing {
     Real t0 = 1, tu = 0, tv = 0;
 };
 
+/// The pixels of all tiles that `region` touches. Tiles begin at multiples of kTileEdge, so that a crop has the tiles of
+/// the whole picture, and its pixels the same bits.
+inline PixelWindow tilesAround(const PixelWindow& region) {
+    const auto down = [](int x) { return (x >= 0 ? x : x - kTileEdge + 1) / kTileEdge * kTileEdge; };
+    const auto up = [&](int x) { return -down(-x); };
+    return {down(region.x0), down(region.y0), up(region.x1), up(region.y1)};
+}
+
 /// The rays of a tile of pixels: texel positions at the batch's first plane, and steps from plane to plane.
 struct RayTile {
     alignas(64) Real u[kTileSize];
@@ -84,7 +92,7 @@ class EyeView {
     void planesAt(int x0, int y0, const double* depths, double reference, Real* planes) const;
 
     /// The lattice of the pixels in tiles of `region`, with `guardTiles` more tiles on each side, into which per-view
-    /// splatting splats. Pixel (x0, y0) of the region is the first of tile (guardTiles, guardTiles).
+    /// splatting splats. The first pixel of tilesAround(region) is the first of tile (guardTiles, guardTiles).
     Lattice lattice(const PixelWindow& region, int guardTiles) const;
 
     /// Fills in the 16 x 16 texels from (texelX, texelY) of the sheet whose plane is at N = `middle`, with their depth.

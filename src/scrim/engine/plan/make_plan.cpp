@@ -312,9 +312,9 @@ std::vector<std::shared_ptr<const PhaseOverCaps>> capsOf(const ViewScene& scene,
 
 // Memory of the picture itself.
 std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
-    const auto tiles = [](int pixels) { return roundUpToTile(pixels) / kTileEdge; };
+    const PixelWindow tiles = tilesAround(plan.region);
     const std::size_t pixels =
-        kTileSize * rasterArea(tiles(plan.region.width()), tiles(plan.region.height()), "tiles of 16 x 16 rays");
+        kTileSize * rasterArea(tiles.width() / kTileEdge, tiles.height() / kTileEdge, "tiles of 16 x 16 rays");
     constexpr std::size_t kDepthFloats = sizeof(PixelTiles::FirstDepth) / sizeof(Real);
     std::size_t floats = 4;
     for (const GroupPlan& group : plan.groups)
