@@ -12,17 +12,18 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// By many directions: rings of equal parts of the cap's depth.
+// By many directions: rings of equal width, weighted by their areas.
 double byQuadrature(const Phase& phase, double cosine, double half) {
-    constexpr int kRings = 400, kAround = 400;
+    constexpr int kRings = 1000, kAround = 200;
     const double sine = std::sqrt(1 - cosine * cosine);
-    double sum = 0;
+    double sum = 0, weights = 0;
     for (int i = 0; i < kRings; ++i) {
-        const double z = 1 - (i + 0.5) / kRings * (1 - std::cos(half)), r = std::sqrt(1 - z * z);
+        const double a = (i + 0.5) / kRings * half, z = std::cos(a), r = std::sin(a);
         for (int j = 0; j < kAround; ++j)
-            sum += phaseValue(phase, cosine * z + sine * r * std::cos(2 * kPi * (j + 0.5) / kAround));
+            sum += r * phaseValue(phase, cosine * z + sine * r * std::cos(2 * kPi * (j + 0.5) / kAround));
+        weights += r * kAround;
     }
-    return sum / (kRings * kAround);
+    return sum / weights;
 }
 
 double wholeOf(const PhaseRow& row) {
