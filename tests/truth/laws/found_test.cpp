@@ -184,8 +184,8 @@ TEST(FoundByLaws, NarrowLobesShowWideLightsAsBruteForceDoes) {
             scene.lights = {light};
             const Image image = renderScene(scene).image;
             const Verification verified = summarise(samplePixels(scene, image, 60, 3));
-            // Of the cells' 1 %, and of what one ray or seven in the peak leave; 40 and 100 % before.
-            EXPECT_LT(verified.error, 0.06) << "g " << g << " light " << light.kind.index();
+            // Of the cells' 1 %, and of what one ray or seven in the peak leave at edges; 40 and 100 % before.
+            EXPECT_LT(verified.error, 0.08) << "g " << g << " light " << light.kind.index();
         }
 }
 

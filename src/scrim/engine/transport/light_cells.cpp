@@ -383,6 +383,16 @@ void addPeaks(const ViewScene& scene, const Job& job, const CellMedia& media, co
     if (!job.wide) return;
     const CutPhase& cut = job.wide->cut;
     checkpoint();
+    // Rays take their time: in larger cells where there are many, between which their light is interpolated.
+    constexpr std::size_t kMostCells = 60'000;
+    CellMedia larger;
+    const CellMedia* through = &media;
+    while (through->grid.cells() > kMostCells) {
+        CellMedia next = coarser(*through);
+        if (next.grid.cells() >= through->grid.cells()) break;
+        larger = std::move(next);
+        through = &larger;
+    }
     const auto along = [&](const Vec3& ws, const Vec3& way) {
         Rgb sum(0);
         for (const int i : job.sources.wholes) {
@@ -393,7 +403,7 @@ void addPeaks(const ViewScene& scene, const Job& job, const CellMedia& media, co
             if (job.sources.blocked &&
                 scene.solids->firstHit(SolidRole::shadow, ws, way, 0, seen.distance) < seen.distance)
                 continue;
-            sum += job.sources.attenuated ? seen.radiance * glm::exp(-depthAlong(media, ws, way, seen.distance))
+            sum += job.sources.attenuated ? seen.radiance * glm::exp(-depthAlong(*through, ws, way, seen.distance))
                                           : seen.radiance;
         }
         return sum;
@@ -413,12 +423,20 @@ void addPeaks(const ViewScene& scene, const Job& job, const CellMedia& media, co
         }
         return (1 - kAround) * middle + kAround / kRays * sum;
     };
-    job.field->add([&](const Vec3& ws) {
+    const auto light = [&](const Vec3& ws) {
         const Vec3 toEye = travelToEye(scene.camera, ws);
         Rgb sum(0);
         if (cut.onwards > kNarrow) sum += cut.onwards * around(ws, -toEye);
         if (cut.backwards > kNarrow) sum += cut.backwards * around(ws, toEye);
         return job.sources.colours == 1 ? Rgb(largest(sum) / largest(job.sources.tint)) : sum;
+    };
+    if (through == &media) return job.field->add(light);
+    CellField peaks(std::make_shared<const CellGrid>(larger.grid), static_cast<int>(job.sources.colours));
+    peaks.add(light);
+    job.field->add([&](const Vec3& ws) {
+        Real rgb[3];
+        peaks.sample(ws, rgb);
+        return Rgb(rgb[0], rgb[1], rgb[2]);
     });
 }
 
