@@ -28,7 +28,7 @@ cd "$root"
 # there is, and nothing is confined there.
 if [ "$preset" = "asan" ]; then
     export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
-    export SCRIM_FUZZ_RUNS=20 SCRIM_LAWS_COUNT=30
+    export SCRIM_FUZZ_RUNS=20 SCRIM_LAWS_COUNT=4
     # Those of effects take as long as all others: .ci/full runs them, by SCRIM_PROGRAMS=effect.
     programs="${SCRIM_PROGRAMS:-error stability unit shot fuzz plugin thread law}"
     targets="--target $(printf 'scrim_%s_tests ' $programs)"

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <cmath>
 
 namespace scrim::cli {
 namespace {
@@ -23,8 +22,7 @@ std::vector<double> numbersOf(const std::string& name, const std::string& text) 
     while (at < end) {
         double value = 0;
         const auto [stop, error] = std::from_chars(at, end, value);
-        // Numbers may be called nan and inf, of which an expression would make a grid that is refused as damaged.
-        if (error != std::errc() || stop == at || !std::isfinite(value)) break;
+        if (error != std::errc() || stop == at) break;
         numbers.push_back(value);
         at = stop;
         while (at < end && (*at == ',' || *at == ' ')) ++at;
