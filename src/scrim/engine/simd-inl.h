@@ -228,7 +228,8 @@ HWY_ATTR HWY_INLINE hn::Vec<D> capsAt(D d, const PhaseOverCaps& caps, hn::Vec<D>
     const auto cap = hn::Mul(hn::Sqrt(part), hn::Set(d, Real(PhaseOverCaps::kCaps - 1)));
     const auto whole = hn::Min(hn::Floor(cap), hn::Set(d, Real(PhaseOverCaps::kCaps - 2)));
     const auto entry = entryOf(d, cosine), left = hn::Floor(entry), right = hn::Sub(entry, left);
-    const auto first = hn::Add(hn::Mul(hn::ConvertTo(di, whole), hn::Set(di, kPhaseAngles + 1)), hn::ConvertTo(di, left));
+    const auto first =
+        hn::Add(hn::Mul(hn::ConvertTo(di, whole), hn::Set(di, kPhaseAngles + 1)), hn::ConvertTo(di, left));
     const Real* values = caps.values();
     const auto at = [&](int more) HWY_ATTR { return hn::GatherIndex(d, values, hn::Add(first, hn::Set(di, more))); };
     const auto near = lerpOf(d, at(0), at(1), right);

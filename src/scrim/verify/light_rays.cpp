@@ -210,8 +210,7 @@ double LightRays::density(const Vec3& toLight) const {
     if (!m_light.dome() || !m_light.slide || !(m_rows.back() > 0)) return 0;
     const Vec2 at = pictureOfDome(m_light, toLight);
     const Rgb value = pictureAt(at.x, at.y);
-    return (value.x + value.y + value.z) /
-           (m_rows.back() * 2 * kPi / m_light.slide->image->levels().front().width);
+    return (value.x + value.y + value.z) / (m_rows.back() * 2 * kPi / m_light.slide->image->levels().front().width);
 }
 
 LightRay LightRays::from(const Vec3& ws, const Vec3& toLight) const {

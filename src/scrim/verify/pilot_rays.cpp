@@ -100,7 +100,8 @@ class PilotScene {
     }
 
     // Radiance of a ray through the field and through texels of it, and alpha; all 0 where the ray meets nothing.
-    // `thickness`: the sum over the ray of the optical depths of voxels, weighted by the radiance that comes from there.
+    // `thickness`: the sum over the ray of the optical depths of voxels, weighted by the radiance that comes from
+    // there.
     struct Seen {
         double exact = 0, texels = 0, alpha = 0, thickness = 0;
     };

@@ -39,8 +39,8 @@ Vec2 lotOf(const Vec3& ws, std::size_t light) {
 
 }  // namespace
 
-// The peak of a phase function, straight on, which rays to an extended light seldom meet. It is what is above a parabola
-// that goes on as the phase function does kEdge radians from there, and has directions of its own.
+// The peak of a phase function, straight on, which rays to an extended light seldom meet. It is what is above a
+// parabola that goes on as the phase function does kEdge radians from there, and has directions of its own.
 class PhasePeak {
   public:
     // Null where there is none to speak of.

@@ -173,7 +173,8 @@ void addVolume(Lines& out, Draws& d, std::size_t number, const std::vector<std::
     } else if (kind == 1) {
         out.add("octaves", fmt::format("{{ count = {}, extinction = {:.3g}, contribution = {:.3g}, phase = {:.3g} }}",
                                        2 + d.below(3), d.between(0.5, 1), d.between(0.5, 0.2), d.unit()));
-        for (const char* key : {"count", "extinction", "contribution", "phase"}) out.note(std::string("octaves.") + key);
+        for (const char* key : {"count", "extinction", "contribution", "phase"})
+            out.note(std::string("octaves.") + key);
     }
     if (d.once(0.15)) {
         out.add("emission", fmt::format("{{ grid = \"glow\", scale = {:.3g} }}", d.logBetween(0.1, 4)));
@@ -285,8 +286,8 @@ void addDials(Lines& out, Draws& d) {
 
 void addOutput(Lines& out, Draws& d) {
     d.enter(2);
-    const std::vector<std::string> known{"light", "ambient", "emission", "albedo", "depth",
-                                         "transmittance", "volume", "motion", "direct", "indirect"};
+    const std::vector<std::string> known{"light",         "ambient", "emission", "albedo", "depth",
+                                         "transmittance", "volume",  "motion",   "direct", "indirect"};
     std::string list;
     for (const std::string& layer : known)
         if (d.once(0.2)) {
@@ -428,10 +429,10 @@ DrawnScene drawnScene(const std::vector<double>& numbers) {
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         // Fields have numbers of their own, at the end of the volume's section.
         VolumeFields& of = fields.emplace_back();
-        std::vector<double> own(numbers.begin() + std::ptrdiff_t(std::min(
-                                    numbers.size(), volumes[i] * Draws::kPerSection + Draws::kPerSection - 16)),
-                                numbers.begin() + std::ptrdiff_t(std::min(
-                                    numbers.size(), (volumes[i] + 1) * Draws::kPerSection)));
+        std::vector<double> own(
+            numbers.begin() +
+                std::ptrdiff_t(std::min(numbers.size(), volumes[i] * Draws::kPerSection + Draws::kPerSection - 16)),
+            numbers.begin() + std::ptrdiff_t(std::min(numbers.size(), (volumes[i] + 1) * Draws::kPerSection)));
         Draws f(own);
         f.enter(0);
         of.density = madeField(f, "density");
@@ -465,24 +466,66 @@ const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
     static const std::string files = "of files, which are read before there is a view";
     static const std::string time = "of time: moments are whole renders (truth/effects, unit/shot)";
     static const std::string same = "another way to write what is drawn";
-    static const std::vector<std::pair<std::string, std::string>> keys{
-        {"scene.", same},          {"orbit.", same},          {"camera.matrix", same},      {"camera.orbit", same},
-        {"camera.exr", files},     {"camera.ndc", files},     {"camera.shutter", time},     {"slide.colorspace", files},
-        {"slide.height", same},    {"texture.", files},       {"light.target", same},       {"light.orbit", same},
-        {"light.up", same},        {"ambient.", same},        {"keys.", time},              {"colour.", same},
-        {"render.quality", same},  {"render.tolerance", same},{"render.lod", files},        {"render.shutter_samples", time},
-        {"transform.matrix", same},{"frame.", files},         {"density.grid", files},      {"density.remap", files},
-        {"density.edge", files},   {"density.mask", files},   {"density.noise", files},     {"density.noise_mode", files},
-        {"velocity.", time},       {"albedo.", files},        {"blackbody.", same},         {"emission.grid", files},
-        {"emission.ramp", same},   {"emission.mask", files},  {"medium.transparency", same},
-        {"medium.transparency_depth", same},                  {"medium.blackbody", same},   {"classified.window", same},
-        {"classified.window_zero", same},                     {"mesh.file", files},         {"grids.", files},
-        {"remap.", files},         {"mask.", files},          {"noise.", files},            {"volume.file", files},
-        {"volume.grids", files},   {"volume.frame", files},   {"volume.source", files},     {"volume.parameters", files},
-        {"volume.clip", files},    {"volume.clip_plane", files},                            {"volume.resample", files},
-        {"volume.ax", files},      {"volume.ax_file", files}, {"volume.displacement", files},
-        {"volume.velocity", time}, {"preview.", files},       {"holdout.", files},          {"files.", files},
-        {"output.", files}};
+    static const std::vector<std::pair<std::string, std::string>> keys{{"scene.", same},
+                                                                       {"orbit.", same},
+                                                                       {"camera.matrix", same},
+                                                                       {"camera.orbit", same},
+                                                                       {"camera.exr", files},
+                                                                       {"camera.ndc", files},
+                                                                       {"camera.shutter", time},
+                                                                       {"slide.colorspace", files},
+                                                                       {"slide.height", same},
+                                                                       {"texture.", files},
+                                                                       {"light.target", same},
+                                                                       {"light.orbit", same},
+                                                                       {"light.up", same},
+                                                                       {"ambient.", same},
+                                                                       {"keys.", time},
+                                                                       {"colour.", same},
+                                                                       {"render.quality", same},
+                                                                       {"render.tolerance", same},
+                                                                       {"render.lod", files},
+                                                                       {"render.shutter_samples", time},
+                                                                       {"transform.matrix", same},
+                                                                       {"frame.", files},
+                                                                       {"density.grid", files},
+                                                                       {"density.remap", files},
+                                                                       {"density.edge", files},
+                                                                       {"density.mask", files},
+                                                                       {"density.noise", files},
+                                                                       {"density.noise_mode", files},
+                                                                       {"velocity.", time},
+                                                                       {"albedo.", files},
+                                                                       {"blackbody.", same},
+                                                                       {"emission.grid", files},
+                                                                       {"emission.ramp", same},
+                                                                       {"emission.mask", files},
+                                                                       {"medium.transparency", same},
+                                                                       {"medium.transparency_depth", same},
+                                                                       {"medium.blackbody", same},
+                                                                       {"classified.window", same},
+                                                                       {"classified.window_zero", same},
+                                                                       {"mesh.file", files},
+                                                                       {"grids.", files},
+                                                                       {"remap.", files},
+                                                                       {"mask.", files},
+                                                                       {"noise.", files},
+                                                                       {"volume.file", files},
+                                                                       {"volume.grids", files},
+                                                                       {"volume.frame", files},
+                                                                       {"volume.source", files},
+                                                                       {"volume.parameters", files},
+                                                                       {"volume.clip", files},
+                                                                       {"volume.clip_plane", files},
+                                                                       {"volume.resample", files},
+                                                                       {"volume.ax", files},
+                                                                       {"volume.ax_file", files},
+                                                                       {"volume.displacement", files},
+                                                                       {"volume.velocity", time},
+                                                                       {"preview.", files},
+                                                                       {"holdout.", files},
+                                                                       {"files.", files},
+                                                                       {"output.", files}};
     return keys;
 }
 

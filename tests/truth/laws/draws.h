@@ -55,7 +55,7 @@ class Draws {
     /// A direction: along an axis, at 45 degrees, or any.
     std::string direction() {
         if (once(0.4)) {
-            const char* axes[] = {"[0, 0, -1]", "[0, -1, 0]", "[1, 0, 0]", "[0, 0, 1]",  "[1, 0, -1]",
+            const char* axes[] = {"[0, 0, -1]",  "[0, -1, 0]", "[1, 0, 0]", "[0, 0, 1]",   "[1, 0, -1]",
                                   "[-1, -1, 0]", "[0, -1, 1]", "[1, 1, 1]", "[-1, -1, -1]"};
             return axes[below(9)];
         }

@@ -36,8 +36,8 @@ double mostOf(const Light& light, int c) {
     constexpr double kPi = std::numbers::pi;
     if (light.dome()) return 4 * kPi * light.intensity[c] * (light.slide ? 1e4 : 1);
     if (const Light::Area* area = light.area())
-        return (area->shape == AreaShape::sphere || area->shape == AreaShape::mesh ? 4 : 2) * kPi *
-               light.intensity[c] * 1e4;
+        return (area->shape == AreaShape::sphere || area->shape == AreaShape::mesh ? 4 : 2) * kPi * light.intensity[c] *
+               1e4;
     if (light.distant() || !light.point().decay) return light.intensity[c];
     return light.intensity[c] == 0 ? 0 : light.intensity[c] / (light.point().radius * light.point().radius);
 }
@@ -72,7 +72,8 @@ Plan planOf(const ViewScene& scene, int threads = 1) {
     double passes = 0;
     for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i) {
         const Vec3 cells = wsBounds(scene).size() / plan.cellLights.edges[i] + 4.0;
-        passes += pointsOnCells(scene, scene.lights[std::size_t(plan.cellLights.lights[i])]) * cells.x * cells.y * cells.z;
+        passes +=
+            pointsOnCells(scene, scene.lights[std::size_t(plan.cellLights.lights[i])]) * cells.x * cells.y * cells.z;
     }
     const double solves = plan.transport.cells * plan.transport.ordinates * double(plan.transport.targets.size());
     if (work > 5e7 || plan.groups.size() > 50 || solves > 3e7 || passes > 5e7) throw Skipped();
@@ -249,9 +250,9 @@ Broken layersAddUp(const DrawnScene& drawn, Draws& d) {
     Image sum = emptyImage(frame.image.window);
     for (std::size_t i = 3; i < sum.rgba.size(); i += 4) sum.rgba[i] = frame.image.rgba[i];
     for (const FrameLayer& layer : frame.layers) {
-        const bool part = volumes ? layer.layer == Layer::volume
-                                  : layer.layer == Layer::light || layer.layer == Layer::ambient ||
-                                        layer.layer == Layer::emission;
+        const bool part =
+            volumes ? layer.layer == Layer::volume
+                    : layer.layer == Layer::light || layer.layer == Layer::ambient || layer.layer == Layer::emission;
         for (std::size_t i = 0; part && i < sum.rgba.size() / 4; ++i)
             for (std::size_t c = 0; c < 3; ++c) sum.rgba[4 * i + c] += layer.data[3 * i + c];
         for (const float v : layer.data)
@@ -316,9 +317,11 @@ Broken nothingChangesNothing(const DrawnScene& drawn, Draws& d) {
     } else if (kind == 1) {
         Light dark;
         dark.name = "dark";
-        dark.kind = d.once(0.5) ? std::variant<Light::Distant, Light::Point, Light::Spot, Light::Element, Light::Area,
-                                               Light::Dome>(Light::Dome())
-                                : Light::Point();
+        dark.kind =
+            d.once(0.5)
+                ? std::variant<Light::Distant, Light::Point, Light::Spot, Light::Element, Light::Area, Light::Dome>(
+                      Light::Dome())
+                : Light::Point();
         dark.intensity = Rgb(0);
         other.lights.push_back(dark);
         for (ViewVolume& volume : other.volumes)
@@ -480,8 +483,8 @@ Broken wideLightIsItsPoints(const DrawnScene& drawn, Draws& d) {
     for (const std::size_t i : allLights(scene)) {
         const Light& light = scene.lights[i];
         if (light.slide) continue;
-        if (light.dome() || (light.area() && light.area()->shape != AreaShape::mesh &&
-                             light.area()->shape != AreaShape::cylinder))
+        if (light.dome() ||
+            (light.area() && light.area()->shape != AreaShape::mesh && light.area()->shape != AreaShape::cylinder))
             wide.push_back(i);
     }
     require(!wide.empty() && !anyScattersFully(scene));
@@ -636,11 +639,10 @@ Outcome outcomeOf(const std::vector<double>& numbers, const Law& law, std::strin
     } catch (const Error& error) {
         // Too wide a view, too little memory, linking beside full scattering: said, not drawn wrongly.
         what = error.what();
-        const bool refused = error.kind() == ErrorKind::input || error.kind() == ErrorKind::memory ||
-                             what.find("field of view") != std::string::npos ||
-                             what.find("image-aligned") != std::string::npos ||
-                             what.find("cannot be aligned") != std::string::npos ||
-                             what.find("too many") != std::string::npos;
+        const bool refused =
+            error.kind() == ErrorKind::input || error.kind() == ErrorKind::memory ||
+            what.find("field of view") != std::string::npos || what.find("image-aligned") != std::string::npos ||
+            what.find("cannot be aligned") != std::string::npos || what.find("too many") != std::string::npos;
         return refused ? Outcome::refused : Outcome::broken;
     }
 }

@@ -28,7 +28,8 @@ TEST(DrawnScenes, ObeyTheirLaws) {
     const std::uint64_t first = numberOf("SCRIM_LAWS_SEED", 1), count = numberOf("SCRIM_LAWS_COUNT", 24);
     // Found, and not mended yet: a limit of memory changes an alpha of 6e-9 to 0; a sky's directions leave 1.01 % where
     // 1 % is allowed. tests/tools/laws.sh shows them.
-    const std::set<std::uint64_t> open = std::getenv("SCRIM_LAWS_SEED") ? std::set<std::uint64_t>{} : std::set<std::uint64_t>{7, 16};
+    const std::set<std::uint64_t> open =
+        std::getenv("SCRIM_LAWS_SEED") ? std::set<std::uint64_t>{} : std::set<std::uint64_t>{7, 16};
     Coverage all;
     std::map<std::uint64_t, BrokenLaw> broken;
     std::atomic<std::uint64_t> next{0};

@@ -253,7 +253,8 @@ HWY_ATTR void addBeauty(const Real* samples, Real* states) {
 template <bool kFrontToBack>
 HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, Real* states, FirstDepth* first) {
 #if HWY_TARGET != HWY_SCALAR && !defined(SCRIM_DOUBLE)
-    const bool allOpen = !sheet.closed || std::none_of(sheet.closed, sheet.closed + kTileSize, [](auto c) { return c; });
+    const bool allOpen =
+        !sheet.closed || std::none_of(sheet.closed, sheet.closed + kTileSize, [](auto c) { return c; });
     if (sheet.layout.beautyAlone() && !sheet.part && !first && allOpen)
         return addBeauty<kFrontToBack>(sheet.samples, states);
 #endif

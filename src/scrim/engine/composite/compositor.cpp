@@ -199,7 +199,7 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
     const std::uint8_t* const closed = closedIn(tile, walk);
     const auto flush = [&] {
         if (listed == 0) return;
-        const SheetList sheets{planes.data(),   steps.data(), listed,      shaded.width(),
+        const SheetList sheets{planes.data(),   steps.data(), listed,       shaded.width(),
                                shaded.height(), layout,       m_eye.simd(), closed};
         if (m_deep) keepDeep(tile, walk, sheets);
         compositeTile(walk.rays, sheets, m_frontToBack, 0, states, first);

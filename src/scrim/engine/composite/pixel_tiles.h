@@ -79,7 +79,9 @@ class PixelTiles {
         const int tile = dy / kTileEdge * m_tilesX + dx / kTileEdge;
         return std::size_t(tile) * kTileSize + std::size_t(dy % kTileEdge * kTileEdge + dx % kTileEdge);
     }
-    std::size_t bytes() const { return m_states.size() * sizeof(Real) + m_depth.size() * sizeof(FirstDepth) + m_closed.size(); }
+    std::size_t bytes() const {
+        return m_states.size() * sizeof(Real) + m_depth.size() * sizeof(FirstDepth) + m_closed.size();
+    }
     /// For each of a tile's pixels whether it was opaque (a transmittance below `cutoff`) where block `block` of sheets
     /// began: it then receives nothing of the block, whichever batches and tiles the block and the pixel are in.
     const std::uint8_t* closed(int tile, int block, Real cutoff);

@@ -28,8 +28,8 @@ struct SampleSpacing {
     Real t0 = 1, tu = 0, tv = 0;
 };
 
-/// The pixels of all tiles that `region` touches. Tiles begin at multiples of kTileEdge, so that a crop has the tiles of
-/// the whole picture, and its pixels the same bits.
+/// The pixels of all tiles that `region` touches. Tiles begin at multiples of kTileEdge, so that a crop has the tiles
+/// of the whole picture, and its pixels the same bits.
 inline PixelWindow tilesAround(const PixelWindow& region) {
     const auto down = [](int x) { return (x >= 0 ? x : x - kTileEdge + 1) / kTileEdge * kTileEdge; };
     const auto up = [&](int x) { return -down(-x); };

@@ -97,7 +97,13 @@ std::shared_ptr<const Texture> windowOf(const Light& light) {
     constexpr int kEdge = 64, kParts = 8;  // of a disk's picture, and of a pixel at its rim
     const bool disk = light.area()->shape == AreaShape::disk;
     const Texture::Level* picture = light.slide ? &light.slide->image->levels().front() : nullptr;
-    Image image = emptyImage({0, 0, disk ? kEdge : picture ? picture->width : 1, disk ? kEdge : picture ? picture->height : 1});
+    Image image = emptyImage({0, 0,
+                              disk      ? kEdge
+                              : picture ? picture->width
+                                        : 1,
+                              disk      ? kEdge
+                              : picture ? picture->height
+                                        : 1});
     const int width = image.window.x1, height = image.window.y1;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
@@ -105,7 +111,9 @@ std::shared_ptr<const Texture> windowOf(const Light& light) {
             int inside = 0;
             for (int i = 0; disk && i < kParts * kParts; ++i)
                 inside += std::hypot((x + (i % kParts + 0.5) / kParts) / kEdge - 0.5,
-                                     (y + (i / kParts + 0.5) / kParts) / kEdge - 0.5) < 0.5 ? 1 : 0;
+                                     (y + (i / kParts + 0.5) / kParts) / kEdge - 0.5) < 0.5
+                              ? 1
+                              : 0;
             std::fill_n(pixel, 4, disk ? static_cast<float>(inside) / (kParts * kParts) : 1.0f);
             if (picture) std::copy_n(picture->pixel(width - 1 - x, y), 4, pixel);
         }
@@ -295,8 +303,7 @@ int subLightCount(const ViewScene& scene, const Light& light) {
     // dense smoke, a sky left 0.85 / N, a sun of 20 degrees 0.09 / N, one of 5 degrees 0.02 / N and a soft box near by
     // 0.2 / N. All of these are about the square root of the light's share of the sky.
     constexpr double kPerRoot = 1;
-    const double share =
-        (shinesInBeams(scene, light) ? coneOf(light) : solidAngle(light, wsBounds(scene))) / (4 * kPi);
+    const double share = (shinesInBeams(scene, light) ? coneOf(light) : solidAngle(light, wsBounds(scene))) / (4 * kPi);
     // Half of the sub-lights of a sphere or a cylinder are on its far side. A mesh is cut into parts that shine to all
     // sides, but there is no knowing how far it extends.
     constexpr double kLeastOfMesh = 64;
@@ -369,7 +376,8 @@ double widestCap(const Light& subLight, double part, const Bounds& ws) {
 
 namespace {
 
-// The solid angle of a sun or sky, or the area that a surface's sub-lights stand for: of a far sphere, that of its disk.
+// The solid angle of a sun or sky, or the area that a surface's sub-lights stand for: of a far sphere, that of its
+// disk.
 double measureOf(const Light& light, bool farSphere) {
     if (const Light::Area* area = light.area()) return area->area() * (farSphere ? 0.25 : 1);
     return solidAngle(light, {});
@@ -380,8 +388,7 @@ std::vector<Light> wholeSuns(const Light& dome) {
     std::vector<Light> suns;
     if (!dome.dome() || !dome.slide || !dome.slide->parts || !dome.slide->parts->smooth) return suns;
     for (const SkySun& sun : dome.slide->parts->suns) {
-        Light& whole = suns.emplace_back(
-            sunFrom(dome, -domeDirection(dome, sun.u, sun.v), dome.intensity * sun.light));
+        Light& whole = suns.emplace_back(sunFrom(dome, -domeDirection(dome, sun.u, sun.v), dome.intensity * sun.light));
         whole.kind = Light::Distant(sun.angle);
         whole.slide.reset();
         whole.samples = 0;
@@ -488,9 +495,8 @@ bool shinesInBeams(const ViewScene& scene, const Light& light) {
     const auto corners = ws.corners();
     const double distance = glm::distance(ws.center(), light.wsPosition);
     return coneOf(light) < std::min(light.area()->area() / (distance * distance), 2 * kPi) &&
-           std::all_of(corners.begin(), corners.end(), [&](const Vec3& corner) {
-               return glm::dot(corner - light.wsPosition, light.wsDirection) > 0;
-           });
+           std::all_of(corners.begin(), corners.end(),
+                       [&](const Vec3& corner) { return glm::dot(corner - light.wsPosition, light.wsDirection) > 0; });
 }
 
 bool comesFromBorder(const Light& light, const ViewVolume& volume) {

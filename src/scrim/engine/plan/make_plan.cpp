@@ -320,8 +320,9 @@ std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
     for (const GroupPlan& group : plan.groups)
         floats = std::max(floats,
                           std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth ? kDepthFloats : 0)));
-    return pixels * (floats * sizeof(Real) + 1) + std::size_t(scene.region.width()) * std::size_t(scene.region.height()) *
-                                                (4 + 3 * layerCount(scene)) * sizeof(float);
+    return pixels * (floats * sizeof(Real) + 1) + std::size_t(scene.region.width()) *
+                                                      std::size_t(scene.region.height()) * (4 + 3 * layerCount(scene)) *
+                                                      sizeof(float);
 }
 
 // Shadow buffers need no channels for lights on cells, whichever volumes cast shadows in them.

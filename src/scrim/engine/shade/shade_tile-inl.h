@@ -218,8 +218,8 @@ HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add
         return;
     }
     if (lit.caps)
-        return forSamples([&](int k)
-                              HWY_ATTR { add(k, capsAt(DF(), *lit.caps, halfAngleOf(lit, k), scatteringCosine(lit, k))); });
+        return forSamples(
+            [&](int k) HWY_ATTR { add(k, capsAt(DF(), *lit.caps, halfAngleOf(lit, k), scatteringCosine(lit, k))); });
     const Lobe lobe(phase.g, kInverseFourPi), other(phase.g2, kInverseFourPi, phase.alpha);
     const auto blend = constant(static_cast<Real>(phase.blend));
     const auto directed = constant(Real(0.75) * kInverseFourPi * static_cast<Real>(phase.strength));

@@ -35,8 +35,8 @@ struct SheetMedium {
     Octaves octaves;
     /// For each light of the scene, whether it lights this medium; null: all do.
     const std::vector<bool>* lit = nullptr;
-    bool ambient = true;  ///< ambient light reaches the medium without shadows
-    int output = 0;       ///< further output, beside the beauty or its parts, for this medium; 0: none
+    bool ambient = true;                  ///< ambient light reaches the medium without shadows
+    int output = 0;                       ///< further output, beside the beauty or its parts, for this medium; 0: none
     const PhaseOverCaps* caps = nullptr;  ///< of `phase`; null: no sub-light is wider than its lobes
 };
 

@@ -204,7 +204,9 @@ class ParallelRaster {
                  ownHalf = value8(0.5 * m_perSlice);
         const bool constant = towards.constantFor(true);
         const Real* row = m_rays.phaseRow;
-        const V8 phase = value8(!constant ? 0 : row ? towards.constantIn(row, m_rays.way) : towards.constantAt(m_rays.way));
+        const V8 phase = value8(!constant ? 0
+                                : row     ? towards.constantIn(row, m_rays.way)
+                                          : towards.constantAt(m_rays.way));
         const V8 wx = value8(m_rays.way.x), wy = value8(m_rays.way.y), wz = value8(m_rays.way.z);
         for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
             const V8 a1 = hn::LoadU(d, far + i), a0 = hn::LoadU(d, far + i - 1);

@@ -97,7 +97,7 @@ namespace {
 // Sub-lights as sources of rays, and the light that they send if it has one colour.
 struct Sources {
     std::vector<Light> lights;
-    std::vector<int> owners;  // for each the index of the light that it is a part of, ascending
+    std::vector<int> owners;         // for each the index of the light that it is a part of, ascending
     std::vector<double> parts = {};  // SubLights::parts of each; empty: none stands for others
     std::vector<bool> ofSky = {};    // whether each is a direction of a dome
     std::vector<bool> ofMesh = {};   // or a part of a mesh
@@ -377,8 +377,8 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
     return jobs;
 }
 
-// Adds the light in the peaks of a phase function that were cut off for the sources. It comes from where the eye looks, or
-// from behind it, and rays find it in the lights as they are, with their edges.
+// Adds the light in the peaks of a phase function that were cut off for the sources. It comes from where the eye looks,
+// or from behind it, and rays find it in the lights as they are, with their edges.
 void addPeaks(const ViewScene& scene, const Job& job, const CellMedia& media, const std::function<void()>& checkpoint) {
     if (!job.wide) return;
     const CutPhase& cut = job.wide->cut;

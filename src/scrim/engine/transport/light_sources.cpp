@@ -457,8 +457,7 @@ void FirstLight::addTo(const Ordinates& along, const std::vector<ScatterClass>& 
                     *to += scattered / static_cast<Real>(4 * std::numbers::pi);
                     continue;
                 }
-                if (even.empty() && scattered > 0)
-                    scatteringRow(along, classes[k].first(), travel, own.data(), simd);
+                if (even.empty() && scattered > 0) scatteringRow(along, classes[k].first(), travel, own.data(), simd);
                 const Real* into = even.empty() ? own.data() : even.data();
                 for (std::size_t m = 0; scattered > 0 && m < values; ++m) to[m] += scattered * into[m];
             }
