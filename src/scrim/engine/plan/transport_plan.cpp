@@ -150,7 +150,9 @@ bool isAmong(const Light& light, const std::vector<Vec3>& wsCorners) {
 // per voxel, too dense for the finest cells, beside a rectangle of 25 and with a lamp in it: 1.05 and 0.54 %.
 int leastForCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
     constexpr int kMany = 4, kManyAtEdges = 16, kManyInSolid = 64;
-    const double depth = depthOfVoxel(scene);
+    double depth = 0;  // of one volume: what overlaps has no sharper edges
+    for (const ViewVolume& v : scene.volumes)
+        depth = std::max(depth, double(v.field->maxValue) * v.medium.mostExtinction() * voxelUnit(scene));
     if (depth <= kDepth) return kMany;
     const bool beside = light.area() && !isLampOnCells(scene, light) && !isAmong(light, wsCorners);
     return beside && kFinestCell * depth > kDepth ? kManyInSolid : kManyAtEdges;
