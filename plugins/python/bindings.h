@@ -69,8 +69,14 @@ void doAndWait(std::function<void(Work&)> task, nb::handle progress = nb::handle
 /// The Python object for JSON text.
 nb::object fromJson(const std::string& text);
 
-/// The text of a str or an os.PathLike.
+/// The text of a str or an os.PathLike. Throws Error(usage) where it holds a NUL.
 std::string pathText(nb::handle path);
+
+/// The str of a path, whose bytes need not be UTF-8.
+nb::object pathObject(const std::string& path);
+
+/// The UTF-8 of a str. Throws Error(usage), in which `what` is its name, where it is none or holds half characters.
+std::string textOf(nb::handle text, const std::string& what);
 
 /// The items of a sequence of exactly `count` numbers. Throws Error(usage), which says that `what` was expected.
 std::vector<double> numbers(nb::handle it, std::size_t count, const char* what);

@@ -121,8 +121,9 @@ SparseField gridOf(const Array& array, std::size_t component, const std::string&
     return buildField(FieldPieces{pieces.name, pieces.wsFromIs, pieces.blockOrigins, pieces.fill, {}});
 }
 
-void makeField(Field* self, nb::handle numbersOfIt, nb::handle voxelSize, const std::string& name, nb::handle origin,
+void makeField(Field* self, nb::handle numbersOfIt, nb::handle voxelSize, nb::handle nameOfIt, nb::handle origin,
                nb::handle transform) {
+    const std::string name = textOf(nameOfIt, "the name of a grid");
     const nb::object kept = floats(numbersOfIt, name);
     const Array array = nb::cast<Array>(kept);
     checkShape(array, name);

@@ -28,13 +28,15 @@ Picture beautyOf(nb::handle self) {
     return pictureOf(self, nb::cast<const ShotFrame&>(self).image().rgba, 4);
 }
 
-Picture layerOf(nb::handle self, const std::string& name) {
+Picture layerOf(nb::handle self, nb::handle layer) {
+    const std::string name = textOf(layer, "the name of a layer");
     if (name == kBeauty) return beautyOf(self);
-    const ShotLayer& layer = nb::cast<const ShotFrame&>(self).layer(name);
-    return pictureOf(self, layer.data, layer.channels.size());
+    const ShotLayer& found = nb::cast<const ShotFrame&>(self).layer(name);
+    return pictureOf(self, found.data, found.channels.size());
 }
 
-std::vector<std::string> channelsOf(const ShotFrame& frame, const std::string& name) {
+std::vector<std::string> channelsOf(const ShotFrame& frame, nb::handle layer) {
+    const std::string name = textOf(layer, "the name of a layer");
     if (name == kBeauty) return {"R", "G", "B", "A"};
     return frame.layer(name).channels;
 }
@@ -103,7 +105,7 @@ they keep; they cannot be written to: copy what you want to change.)")
              "A layer: (height, width, channels). Raises UsageError, which lists the names, where there is none.")
         .def_prop_ro("layers", &ShotFrame::layerNames,
                      "Names of the pictures beside the beauty, in the scene's order: of lights one each, 'light.key'.")
-        .def("channels", &channelsOf, nb::arg("layer"),
+        .def("channels", &channelsOf, nb::arg("layer"), nb::sig("def channels(self, layer: str) -> list[str]"),
              "Names of a layer's channels, as in the file: 'light.key.R'.\n\nThe layer 'depth' holds world units along "
              "the viewing axis (Z, and the mean), 'motion' pixels a frame, to the right and up.")
         .def_prop_ro(
@@ -134,7 +136,7 @@ they keep; they cannot be written to: copy what you want to change.)")
             "write",
             [](ShotFrame& frame, nb::handle path) {
                 write(path, [&](const std::string& name, const MessageSink& sink) { frame.write(name, sink); });
-                return frame.report().file;
+                return pathObject(frame.report().file);
             },
             nb::arg("path") = nb::none(), nb::sig("def write(self, path: str | os.PathLike[str] | None = None) -> str"),
             "Writes picture and layers as one OpenEXR file with all metadata, in the space and type that the scene's "

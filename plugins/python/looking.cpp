@@ -58,7 +58,7 @@ nb::dict resolved(const ShotObject& object, int frame) {
     for (const Light& light : scene.lights) lights[light.name.c_str()] = listOf(light.intensity);
     for (const SceneVolume& volume : scene.volumes) {
         nb::dict one;
-        one["file"] = volume.file;
+        one["file"] = pathObject(volume.file);
         one["matrix"] = rowsOf(volume.wsFromAsset);
         volumes[volume.name.c_str()] = one;
     }

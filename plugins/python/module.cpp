@@ -121,7 +121,25 @@ std::string pathText(nb::handle path) {
     char* data = nullptr;
     Py_ssize_t size = 0;
     if (PyBytes_AsStringAndSize(bytes.ptr(), &data, &size) != 0) throw nb::python_error();
-    return {data, static_cast<std::size_t>(size)};
+    std::string text(data, static_cast<std::size_t>(size));
+    // The system takes a path up to its first NUL: a file of another name would be read, or written over.
+    if (text.find('\0') != std::string::npos)
+        throw Error(ErrorKind::usage, "the path " + nb::cast<std::string>(nb::str(nb::repr(path))) +
+                                          " holds a NUL; expected one without");
+    return text;
+}
+
+std::string textOf(nb::handle text, const std::string& what) {
+    Py_ssize_t size = 0;
+    const char* const data = PyUnicode_Check(text.ptr()) ? PyUnicode_AsUTF8AndSize(text.ptr(), &size) : nullptr;
+    if (data != nullptr) return {data, static_cast<std::size_t>(size)};
+    PyErr_Clear();
+    const std::string found = shortened(nb::cast<std::string>(nb::str(nb::repr(text))), 80);
+    throw Error(ErrorKind::usage, what + " is " + found + "; expected a string of whole characters");
+}
+
+nb::object pathObject(const std::string& path) {
+    return nb::steal(PyUnicode_DecodeFSDefaultAndSize(path.data(), static_cast<Py_ssize_t>(path.size())));
 }
 
 std::vector<double> numbers(nb::handle it, std::size_t count, const char* what) {

@@ -43,7 +43,10 @@ ShotObject opened(const Open& open) {
 }  // namespace
 
 std::vector<std::string> assignmentsOf(nb::handle overrides) {
-    return nb::cast<std::vector<std::string>>(nb::module_::import_("scrim._toml").attr("assignments")(overrides));
+    std::vector<std::string> texts;
+    for (const nb::handle text : nb::module_::import_("scrim._toml").attr("assignments")(overrides))
+        texts.push_back(textOf(text, "an override"));
+    return texts;
 }
 
 void bindOpening(nb::module_& module) {
@@ -76,13 +79,14 @@ void bindOpening(nb::module_& module) {
 `checked_frame`: the scene is checked at this frame now. A [[volume]] without a file waits for `Shot.set_volume`.)");
     module.def(
         "loads",
-        [](nb::handle scene, nb::handle overrides, nb::handle folder, const std::string& name, nb::handle ocio,
+        [](nb::handle scene, nb::handle overrides, nb::handle folder, nb::handle nameOfIt, nb::handle ocio,
            const std::optional<std::tuple<int, int>>& resolution, int turntable, bool guarded, int checkedFrame,
            const ShotObject* sharing) {
             OpenOptions options =
                 openOptionsFrom(pathText(ocio), resolution, nb::none(), turntable, guarded, checkedFrame);
             if (sharing != nullptr) options.shareWith = &sharing->shot();
-            const std::string text = nb::cast<std::string>(nb::module_::import_("scrim._toml").attr("document")(scene));
+            const std::string text = textOf(nb::module_::import_("scrim._toml").attr("document")(scene), "a scene");
+            const std::string name = pathText(nameOfIt);  // usually that of a file
             const std::string base = pathText(folder);
             const std::vector<std::string> given = assignmentsOf(overrides);
             return opened([&] { return Shot::parse(text, name, base, given, options); });

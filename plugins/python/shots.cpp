@@ -47,7 +47,7 @@ MissingPolicy missingFrom(const std::string& word) {
 }
 
 int verifyFrom(nb::handle it) {
-    if (nb::isinstance<nb::str>(it) && nb::cast<std::string>(it) == "all") return kVerifyAll;
+    if (nb::isinstance<nb::str>(it) && textOf(it, "verify") == "all") return kVerifyAll;
     int pixels = -1;
     if (!nb::try_cast<int>(it, pixels) || pixels < 0)
         throw Error(ErrorKind::usage, shortened(nb::cast<std::string>(nb::str(nb::repr(it))), 80) +
@@ -125,14 +125,15 @@ std::string tomlOf(const ShotObject& object, nb::handle overrides) {
     return text;
 }
 
-void setVolume(const ShotObject& object, const std::string& name, nb::handle grids) {
+void setVolume(const ShotObject& object, nb::handle volume, nb::handle grids) {
+    const std::string name = textOf(volume, "the name of a volume");
     const nb::object fields = nb::module_::import_("scrim._grids").attr("fields_of")(grids);
     std::vector<SparseField> all;
     for (const nb::handle field : fields)
         for (const SparseField& grid : nb::cast<const Field&>(field).grids) all.push_back(grid);
     const Busy busy(object.state, "its volumes");
     std::vector<std::string> names;
-    for (const SceneVolume& volume : busy.shot().opened().volumes) names.push_back(volume.name);
+    for (const SceneVolume& one : busy.shot().opened().volumes) names.push_back(one.name);
     if (std::find(names.begin(), names.end(), name) == names.end())
         throw Error(ErrorKind::usage, busy.shot().path() + ": there is no volume '" + shortened(name, 80) +
                                           "'; there is " + choices(names));
@@ -330,7 +331,8 @@ void bindShots(nb::module_& module) {
 Volumes and pictures are loaded when a frame needs them, and kept as long as the next one needs them, too. A shot does
 one thing at a time; different shots are independent.)");
     type.def_prop_ro(
-            "path", [](const ShotObject& s) { return s.shot().path(); }, "As it was opened, or its name.")
+            "path", [](const ShotObject& s) { return pathObject(s.shot().path()); }, nb::sig("def path(self) -> str"),
+            "As it was opened, or its name.")
         .def_prop_ro(
             "is_asset", [](const ShotObject& s) { return s.shot().isAsset(); },
             "Whether it is an asset that was framed.")
@@ -384,7 +386,7 @@ one thing at a time; different shots are independent.)");
             "Accuracy against time: settings of the dials rendered, timed and compared with brute force.\n\n`folder`: "
             "where "
             "study.csv, study.json and index.html go; None: nowhere. `budget`: seconds, 0 for as many as it takes.")
-        .def("__repr__", [](const ShotObject& s) { return "<scrim.Shot '" + s.shot().path() + "'>"; });
+        .def("__repr__", [](const ShotObject& s) { return pathObject("<scrim.Shot '" + s.shot().path() + "'>"); });
     bindRenders(type);
     bindLooking(type);
 }

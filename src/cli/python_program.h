@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Python that runs what the program leaves to Python code: OpenUSD stages and the viewer.
+// The Python that runs what the program leaves to Python code: OpenUSD stages and the viewer. It is started here alone:
+// by itself Python would look for modules in the current folder first, and run what anybody left there.
 #pragma once
 
-#include <cstdlib>
-#include <filesystem>
 #include <string>
-#include <system_error>
+#include <vector>
 
 namespace scrim::cli {
 
-/// The Python program: the one named by $SCRIM_PYTHON, or python3 beside this program, or the one in PATH.
-inline std::string pythonProgram() {
-    if (const char* const named = std::getenv("SCRIM_PYTHON"); named != nullptr && *named != '\0') return named;
-    std::error_code ignored;
-    const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
-    const std::filesystem::path beside = self.parent_path() / "python3";
-    return !self.empty() && std::filesystem::exists(beside, ignored) ? beside.string() : "python3";
-}
+/// The words of a command line that runs `code`, before which `sys` is imported, in the Python that $SCRIM_PYTHON
+/// names, or in python3 beside this program, or in that of PATH. Python finds modules where it is installed and in
+/// PYTHONPATH, but not in the current folder, unless PYTHONPATH names that: empty entries of it are removed from this
+/// process's environment, which the child has to inherit.
+std::vector<std::string> pythonCommand(const std::string& code);
 
 }  // namespace scrim::cli

@@ -5,8 +5,7 @@
 #include "python_program.h"
 #include "text_file.h"
 
-#include <scrim/base/child_process.h>
-#include <scrim/base/descriptor.h>
+#include <scrim/base/atomic_file.h>
 #include <scrim/base/error.h>
 #include <scrim/shot/shot_text.h>
 
@@ -18,7 +17,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -34,13 +32,22 @@ constexpr const char* kHowToInstall =
     "stages are read by Scrim's Python package and usd-core (pip install usd-core); $SCRIM_PYTHON names the Python "
     "that has both";
 
+/// A file of the folder that lists the frames: as an argument, a list of some 20,000 would be longer than the system
+/// allows. "": there are none.
+std::string framesFile(const std::string& folder, const std::vector<int>& frames) {
+    if (frames.empty()) return "";
+    const std::string path = folder + "/frames";
+    writeWholeFile(path, fmt::format("{}", fmt::join(frames, ",")));
+    return path;
+}
+
 std::vector<std::string> argumentsFor(const std::string& path, const std::string& folder, const SceneOptions& options) {
-    std::vector<std::string> words = {pythonProgram(), "-m", "scrim.usd"};
+    std::vector<std::string> words = pythonCommand("from scrim.usd.__main__ import main\nsys.exit(main())");
     const auto add = [&words](const char* name, const std::string& value) {
         // Option and value form one word, so that no value is taken for an option.
         if (!value.empty()) words.push_back(fmt::format("--{}={}", name, value));
     };
-    add("frames", fmt::format("{}", fmt::join(options.frames, ",")));
+    add("frames", framesFile(folder, options.frames));
     if (options.resolution) add("res", fmt::format("{}x{}", options.resolution->x, options.resolution->y));
     add("camera", options.usd.camera);
     add("settings", options.usd.settings);
@@ -59,6 +66,12 @@ std::pair<Descriptor, Descriptor> makePipe() {
         throw Error(ErrorKind::render, std::string("cannot make a pipe: ") + std::strerror(errno));
     return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
+
+// Removes a folder once its standard input is closed, though Ctrl-C reaches it, too. Whoever writes there meanwhile may
+// make it try again.
+constexpr const char* kKeep = R"(trap '' HUP INT TERM
+read nothing
+for try in 1 2 3 4 5; do rm -rf -- "$1" && exit; sleep 1; done)";
 
 /// Starts a program whose standard output is `output`; its standard error is ours.
 ChildProcess startPython(const std::vector<std::string>& words, const Descriptor& output) {
@@ -121,14 +134,20 @@ void addScene(UsdScenes& out, const std::vector<std::string>& fields) {
 TemporaryFolder::TemporaryFolder() {
     const char* const named = std::getenv("TMPDIR");
     m_path = std::string(named != nullptr && *named != '\0' ? named : "/tmp") + "/scrim-usd-XXXXXX";
+    auto [theirs, ours] = makePipe();
     if (::mkdtemp(m_path.data()) == nullptr)
         throw Error(ErrorKind::output,
                     fmt::format("cannot make a folder for a stage's scenes: '{}': {}", m_path, std::strerror(errno)));
-}
-
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(m_path, ignored);
+    try {
+        constexpr int nothing = ProgramStart::kNothing;
+        m_keeper.emplace(
+            ProgramStart{{"sh", "-c", kKeep, "sh", m_path}, "/bin/sh", {{0, theirs.fd()}, {1, nothing}, {2, nothing}}},
+            0);
+    } catch (const std::system_error& error) {
+        ::rmdir(m_path.c_str());
+        throw Error(ErrorKind::output, fmt::format("cannot start '/bin/sh': {}", std::strerror(error.code().value())));
+    }
+    m_open = std::move(ours);
 }
 
 bool isStage(const std::string& path) {

@@ -6,6 +6,8 @@
 
 #include "options.h"
 
+#include <scrim/base/child_process.h>
+#include <scrim/base/descriptor.h>
 #include <scrim/image/image.h>
 
 #include <memory>
@@ -15,18 +17,18 @@
 
 namespace scrim::cli {
 
-/// A folder that is removed with all its contents when this object is destroyed.
+/// A folder that is removed with all its contents when this object is destroyed, and when this process ends, by
+/// whatever signal: a child removes it that waits for that.
 class TemporaryFolder {
   public:
     TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
     const std::string& path() const { return m_path; }
 
   private:
     std::string m_path;
+    std::optional<ChildProcess> m_keeper;
+    Descriptor m_open;  ///< until it is closed, the keeper waits: so it is closed first
 };
 
 /// Frames of a stage that form one scene, so that whatever stands still is opened once.

@@ -22,8 +22,7 @@ constexpr const char* kHowToInstall =
     "$SCRIM_PYTHON names the Python that has all three";
 
 /// Starts the viewer, or says in one line why this Python cannot.
-constexpr const char* kStart = R"(import sys
-try:
+constexpr const char* kStart = R"(try:
     from scrim.view.__main__ import main
 except ImportError as missing:
     print(f"scrim: error: {missing}; {sys.argv[1]}", file=sys.stderr)
@@ -34,7 +33,8 @@ sys.exit(main()))";
 }  // namespace
 
 void viewCommand(const ViewOptions& options) {
-    std::vector<std::string> words = {pythonProgram(), "-c", kStart, kHowToInstall};
+    std::vector<std::string> words = pythonCommand(kStart);
+    words.emplace_back(kHowToInstall);
     const auto add = [&words](const char* name, const std::string& value) {
         if (!value.empty()) words.push_back(fmt::format("--{}={}", name, value));
     };

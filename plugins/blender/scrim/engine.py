@@ -182,7 +182,7 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
 
     def moves(self, depsgraph, camera):
         """Matrices of the frame, and of times while the shutter is open. Leaves the frame as it was."""
-        render, name = depsgraph.scene.render, camera.name
+        render, name = depsgraph.scene.render, camera.name_full
         matrix = self.camera_model_matrix(camera)
         now = motion.matrices(depsgraph, matrix)
         if not render.use_motion_blur or render.motion_blur_shutter <= 0:
@@ -193,7 +193,7 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         for i in range(SHUTTER_TIMES):
             time = shutter[0] + (shutter[1] - shutter[0]) * i / (SHUTTER_TIMES - 1)
             self.set_time(frame + time)
-            moved = depsgraph.scene.objects.get(name) or camera
+            moved = next((it for it in depsgraph.scene.objects if it.name_full == name), camera)
             samples.append((time, motion.matrices(depsgraph, self.camera_model_matrix(moved.evaluated_get(depsgraph)))))
         self.set_time(frame)
         return motion.Moves(now, export.FRAME, samples, shutter)

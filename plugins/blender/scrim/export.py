@@ -157,7 +157,7 @@ class Exporter:
         if os.path.isfile(path) and not len(thing.modifiers):
             return self.linked(path, "volume")
         saved = os.path.join(self.folder, f"volume{len(self.files)}.vdb")
-        memory = ("memory", data.session_uid if hasattr(data, "session_uid") else data.name)
+        memory = ("memory", data.session_uid if hasattr(data, "session_uid") else data.name_full)
         if memory not in self.files:
             if not data.grids.save(filepath=saved):
                 raise Failure(f"volume '{thing.name}': cannot write its grids: {data.grids.error_message}")

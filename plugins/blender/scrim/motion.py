@@ -5,9 +5,10 @@ import math
 
 
 def key_of(instance):
-    """The same thing at another time."""
-    parent = instance.parent.name if instance.parent else ""
-    return (instance.object.name, parent, tuple(instance.persistent_id) if instance.is_instance else ())
+    """The same thing at another time. Full names have that of a library, since what is linked may be called as
+    something of this file is."""
+    parent = instance.parent.name_full if instance.parent else ""
+    return (instance.object.name_full, parent, tuple(instance.persistent_id) if instance.is_instance else ())
 
 
 def matrices(depsgraph, camera_matrix):

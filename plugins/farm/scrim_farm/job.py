@@ -9,6 +9,10 @@ from scrim_kit import Failure
 from scrim_kit.frames import at_frame, pattern_of
 from scrim_kit.program import Status
 
+PROGRAM = os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "scrim-submit")
+# For Python on the farm: neither the current folder nor PYTHONPATH may hold a module that it takes for its own. Nothing
+# else than Python's own modules is needed.
+ISOLATED = "-I"
 
 # What an exit status of scrim means here: `lost` of one that was killed from outside, often by the kernel for want of
 # memory.
@@ -109,6 +113,13 @@ class Job:
         """The pictures of a frame that the shot ends with."""
         return [at_frame(p, frame) for p in (self["output"], self["deep"], *self.files) if p]
 
+    def results(self, frame):
+        """All files of a frame that the shot ends with: its pictures, and the preview that is made of them last."""
+        return self.outputs(frame) + ([at_frame(self["preview"], frame)] if self["preview"] else [])
+
+    def is_finished(self, frame):
+        return all(map(os.path.isfile, self.results(frame)))
+
     def output_folders(self):
         patterns = [p for p in (self["output"], self["deep"], self["preview"], *self.files) if p]
         return sorted({os.path.dirname(at_frame(p, frame)) for p in patterns for frame in self["frames"]})
@@ -137,9 +148,10 @@ class Job:
         return os.path.join(pattern_of(self.path("tiles", str(tile))), name)
 
     def is_done(self, task, frame):
-        if all(map(os.path.isfile, self.outputs(frame))):
-            return True
-        return task.kind == "render" and all(map(os.path.isfile, self.parts(frame, task.tile)))
+        """Whether a render task has nothing left to do of a frame. A tile has no preview: the merge makes that."""
+        if task.tile < 0:
+            return self.is_finished(frame)
+        return any(all(map(os.path.isfile, files)) for files in (self.outputs(frame), self.parts(frame, task.tile)))
 
     def missing(self):
         """Render tasks with the frames that they still have to do, and merges."""
@@ -150,7 +162,7 @@ class Job:
                 left = tuple(f for f in chunk if not self.is_done(task, f))
                 if left:
                     renders.append(Task("render", left, tile))
-            left = tuple(f for f in chunk if not all(map(os.path.isfile, self.outputs(f))))
+            left = tuple(f for f in chunk if not self.is_finished(f))
             if self.tiled and left:
                 merges.append(Task("merge", left))
         return renders, merges

@@ -4,13 +4,11 @@ import os
 
 from scrim_kit.frames import range_text
 
-from .job import write_json
-
-PROGRAM = os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "scrim-submit")
+from .job import ISOLATED, PROGRAM, write_json
 
 
 def action(arguments, timeout):
-    return {"command": "{{Param.Python}}", "args": ["{{Param.Submit}}", *arguments], "timeout": timeout,
+    return {"command": "{{Param.Python}}", "args": [ISOLATED, "{{Param.Submit}}", *arguments], "timeout": timeout,
             # The first signal lets scrim leave no half file.
             "cancelation": {"mode": "NOTIFY_THEN_TERMINATE", "notifyPeriodInSeconds": 30}}
 

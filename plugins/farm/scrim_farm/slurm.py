@@ -10,11 +10,10 @@ import sys
 from scrim_kit import Failure
 from scrim_kit.frames import range_text
 
-from .job import Task, read_state, write_json
+from .job import ISOLATED, PROGRAM, Task, read_state, write_json
 from .shot import PART_SMALLEST
 from .status import next_tasks, print_status
 
-PROGRAM = os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "scrim-submit")
 SBATCH_SECONDS = 120
 
 
@@ -44,7 +43,7 @@ class Submission:
     def _script(self, name, arguments):
         path = self.job.path("submitted", f"{name}.sh")
         with open(path, "w", encoding="utf-8") as out:
-            words = shlex.join([sys.executable or "/usr/bin/python3", PROGRAM, *arguments])
+            words = shlex.join([sys.executable or "/usr/bin/python3", ISOLATED, PROGRAM, *arguments])
             # exec: a signal to the job is one to the task.
             out.write(f'#!/bin/sh\nexec {words}{" $SLURM_ARRAY_TASK_ID" if "--task" in arguments else ""}\n')
         return path
@@ -69,6 +68,8 @@ class Submission:
         if done.returncode != 0:
             raise Failure(f"sbatch refused {name}: {done.stderr.strip()}", 1)
         identifier = done.stdout.strip().split(";")[0]
+        with open(self.job.path("submitted", f"{name}.id"), "w", encoding="utf-8") as out:
+            out.write(identifier)
         self.ids.append(identifier)
         self.job.log(f"round {self.round}: {name} is job {identifier}")
         return identifier
@@ -135,24 +136,40 @@ def task_of(job, name, index):
     return Task.from_json(array["tasks"][index]), array["memory"]
 
 
+def submitted(job):
+    """Slurm's number of each array and check, by its name. Slurm is asked by these numbers: others may have jobs of the
+    same names, whose blanks nothing tells from those between Slurm's words."""
+    numbers = {}
+    for file in sorted(os.listdir(job.path("submitted"))):
+        name, extension = os.path.splitext(file)
+        if extension == ".id":
+            with open(job.path("submitted", file), encoding="utf-8") as text:
+                numbers[name] = text.read().strip()
+    return numbers
+
+
+def fields_of(line, job_name):
+    """What a line of scontrol says: JobId=7 JobState=FAILED. Of what is there twice the first is Slurm's own; the rest
+    is in paths and commands, which come last."""
+    return dict(reversed(re.findall(r"(\S+?)=(\S*)", line.replace(f"JobName={job_name} ", "", 1))))
+
+
 def keep_faults(job, round_number):
     """What Slurm itself says of tasks that did not succeed, as long as it remembers; and those that were cancelled
     before they began."""
     cancelled, text = set(), ""
-    for name in sorted(os.listdir(job.path("submitted"))):
-        match = re.fullmatch(rf"(r{round_number}-\S+)\.json", name)
-        if not match:
+    for name, number in submitted(job).items():
+        if not name.startswith(f"r{round_number}-") or name.endswith("-check"):
             continue
-        shown = ask(["scontrol", "--oneliner", "show", "jobs"])
-        for line in shown.splitlines():
-            fields = dict(re.findall(r"(\S+?)=(\S*)", line))
-            if fields.get("JobName") != f"{job['name']}-{match[1]}" or fields.get("JobState") == "COMPLETED":
+        for line in ask(["scontrol", "--oneliner", "show", "job", number]).splitlines():
+            fields = fields_of(line, f"{job['name']}-{name}")
+            if fields.get("JobState", "COMPLETED") == "COMPLETED":
                 continue
-            text += f"{match[1]} {fields.get('ArrayTaskId', '')}: {line}\n"
-            if fields.get("JobState") != "CANCELLED" or fields.get("Reason") == "DependencyNeverSatisfied":
+            text += f"{name} {fields.get('ArrayTaskId', '')}: {line}\n"
+            if fields["JobState"] != "CANCELLED" or fields.get("Reason") == "DependencyNeverSatisfied":
                 continue
             for index in indices_of(fields.get("ArrayTaskId", "")):
-                cancelled.add(task_of(job, match[1], index)[0].key)
+                cancelled.add(task_of(job, name, index)[0].key)
     if text:
         with open(job.path("log", "faults.log"), "a", encoding="utf-8") as out:
             out.write(text)
@@ -194,8 +211,8 @@ def follow(job, round_number):
 def resume(job, dry):
     """Submits all that is missing, whatever became of it before."""
     rounds = [int(m[1]) for n in os.listdir(job.path("submitted")) if (m := re.match(r"r(\d+)-", n))]
-    running = ask(["squeue", "--noheader", "--format=%j"]).split()
-    if any(name.startswith(job["name"] + "-r") for name in running):
+    running = ask(["squeue", "--noheader", "--format=%F"]).split()  # of an array: the number of the whole
+    if set(running) & set(submitted(job).values()):
         raise Failure(f"jobs of {job['name']} are still in Slurm's queue; wait, or scancel them", 1)
     attempts = job.attempts()
     renders, merges = job.missing()

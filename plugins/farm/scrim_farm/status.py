@@ -42,7 +42,7 @@ def print_status(job):
     """0 where all frames are complete."""
     broken = broken_files(job)
     attempts = job.attempts()
-    there = [f for f in job["frames"] if all(os.path.isfile(p) and p not in broken for p in job.outputs(f))]
+    there = [f for f in job["frames"] if job.is_finished(f) and not set(broken) & set(job.outputs(f))]
     print(f"{job['name']}: {len(there)} of {len(job['frames'])} frames are complete")
     reasons = {}
     renders, merges = job.missing()

@@ -231,7 +231,7 @@ VOLUME = {
 def volume(fixture, names=("density",), modifiers=(), holdout=False, space="WORLD", shadow=True, **values):
     path = fixture.folder / "smoke_0007.vdb"
     path.write_text("x")
-    own = {"grids": Grids(names, str(path)), "render": SimpleNamespace(space=space), "name": "v"}
+    own = {"grids": Grids(names, str(path)), "render": SimpleNamespace(space=space), "name_full": "v"}
     data = like(VOLUME, {**own, **values})
     thing = SimpleNamespace(
         name="Smoke", data=data, material_slots=[], modifiers=modifiers, is_holdout=False, visible_shadow=shadow,
@@ -299,6 +299,20 @@ def test_what_moves_has_keys_about_the_frame(world):
     assert moves.keyed("it", lambda m: export.column(m, 3)) == {"keys": [[0.75, [-0.25, 0, 0]], [1.25, [0.25, 0, 0]]]}
     assert moves.keyed("still", lambda m: export.column(m, 3)) == [0, 0, 0]
     assert moves.transform("still", world.said.append, "it") == {"matrix": UNIT}
+
+
+def test_a_linked_object_has_its_own_matrix_beside_a_local_one_of_its_name():
+    def instance(library, matrix, parent=None):
+        thing = SimpleNamespace(name="Smoke", name_full="Smoke" + library)
+        return SimpleNamespace(object=thing, parent=parent, is_instance=parent is not None, persistent_id=(0,),
+                               matrix_world=np.array(matrix))  # fmt: skip
+
+    ours, theirs = instance("", UNIT), instance(" [library.blend]", TURNED)
+    within = [instance("", matrix, it.object) for it, matrix in ((ours, TURNED), (theirs, UNIT))]
+    seen = [ours, theirs, *within]
+    moves = motion.Moves(motion.matrices(SimpleNamespace(object_instances=seen), np.array(UNIT)), 1)
+    for one in seen:
+        assert (moves.matrix(motion.key_of(one)) == one.matrix_world).all()
 
 
 @pytest.mark.parametrize(

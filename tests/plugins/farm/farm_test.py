@@ -11,6 +11,7 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 FARM = os.path.join(HERE, "..", "..", "..", "plugins", "farm")
@@ -41,6 +42,11 @@ if status in (0, 5):
         for file in files: open(re.sub("#+", lambda m: frame.zfill(len(m[0])), file), "w").write("picture")
 sys.exit(status)
 """
+
+
+def write(path, text=""):
+    with open(path, "w", encoding="utf-8") as out:
+        out.write(text)
 
 
 def planned(folder, *arguments):
@@ -234,6 +240,18 @@ class Folder(unittest.TestCase):
                 pass
         self.assertTrue(job.is_done(Task("render", (3,), -1), 3))
 
+    def test_a_frame_without_its_preview_is_not_done(self):
+        out = os.path.join(self.folder, "out")
+        for crops, kinds in (([[0, 0, 9, 9]], ([1], [])), ([[0, 0, 4, 9], [4, 0, 9, 9]], ([], [1]))):
+            job = self.job(frames=[1], crops=crops, preview=os.path.join(out, "a.####.png"))
+            write(os.path.join(out, "a.0001.exr"))  # a task that was killed before its preview
+            self.assertEqual(tuple([t.frames[0] for t in tasks] for tasks in job.missing()), kinds)
+            self.assertIn("0 of 1 frames are complete", self.status()[1])
+            write(os.path.join(out, "a.0001.png"))
+            self.assertEqual(job.missing(), ([], []))
+            self.assertIn("1 of 1 frames are complete", self.status()[1])
+            os.unlink(os.path.join(out, "a.0001.png"))
+
     def test_cancelled_tasks_are_left_alone_and_killed_ones_are_not(self):
         job = self.job()
         self.run_frame(1, 143)
@@ -296,6 +314,84 @@ class Folder(unittest.TestCase):
             "<r1-render-tile1-part1>", "<r1-merge-part1>", "<r1-check>"])
         self.assertEqual(slurm.task_of(job, "r1-merge-part1", 0)[0], Task("merge", (1001,)))
         self.assertEqual(slurm.indices_of("1,4-6%2"), [1, 4, 5, 6])
+
+
+class FakeSlurm(unittest.TestCase):
+    """A job that was submitted to a Slurm that gives it number 71. Its other commands print what they are told."""
+
+    job = Folder.job
+
+    def setUp(self):
+        Folder.setUp(self)
+        self.data["name"] = "my shot"
+        commands = os.path.join(self.folder, "commands")
+        os.mkdir(commands)
+        for name, text in (("sbatch", "echo 71"), ("squeue", f"cat {self.folder}/queue"),
+                           ("scontrol", f'cat "{self.folder}/$*" 2>/dev/null')):
+            path = os.path.join(commands, name)
+            write(path, f"#!/bin/sh\n{text}\n")
+            os.chmod(path, stat.S_IRWXU)
+        self.enterContext(unittest.mock.patch.dict(os.environ, {"PATH": f"{commands}:{os.environ['PATH']}"}))
+
+    def tell(self, name, text):
+        write(os.path.join(self.folder, name), text)
+
+    def submitted(self):
+        job = self.job()
+        slurm.submit_first(job, False)
+        return job
+
+    def test_a_job_in_the_queue_is_not_submitted_once_more_whatever_its_name(self):
+        job = self.submitted()
+        self.tell("queue", "8\n71\n")
+        with self.assertRaisesRegex(Failure, "jobs of my shot are still in Slurm's queue"):
+            slurm.resume(job, False)
+
+    def test_the_jobs_of_others_are_not_its_own(self):
+        self.data["name"] = "plume"
+        job = self.submitted()
+        self.tell("queue", "8\nplume-red\nplume-r1-render\n")
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            slurm.resume(job, False)
+        self.assertIn("submitted: 71", said.getvalue())
+
+    def test_tasks_that_somebody_cancelled_under_the_same_name_are_not_cancelled(self):
+        job = self.submitted()
+        line = "JobId={0} ArrayJobId={0} ArrayTaskId={1} JobName=my shot-r1-render JobState={2} Reason=None " \
+               "Command=/a b/JobState=RUNNING\n"
+        ours = line.format(71, 2, "CANCELLED") + line.format(71, 3, "COMPLETED")
+        self.tell("--oneliner show job 71", ours)
+        self.tell("--oneliner show jobs", ours + line.format(8, 0, "CANCELLED"))
+        self.assertEqual(slurm.keep_faults(job, 1), {"render-3-3"})
+        with open(job.path("log", "faults.log"), encoding="utf-8") as text:
+            self.assertEqual([line.split(":")[0] for line in text], ["r1-render 2"])
+
+
+class HostileFolder(unittest.TestCase):
+    """What runs in a folder of somebody else runs none of its code."""
+
+    NAMES = ("json", "numpy", "sitecustomize", "usercustomize", "re", "os", "scrim_farm", "scrim_kit", "linecache")
+
+    def test_no_module_of_the_current_folder_or_of_an_empty_entry_of_the_path_is_run(self):
+        with tempfile.TemporaryDirectory() as folder:
+            write(os.path.join(folder, "shot.toml"), SCENE)
+            submit(folder, "shot.toml", "--frames", "1", "--folder", "of.farm")
+            for name in self.NAMES:
+                write(os.path.join(folder, f"{name}.py"), f"open({folder + '/owned'!r}, 'a').write(__name__)")
+            python = ["/usr/bin/python3", slurm.ISOLATED, slurm.PROGRAM]
+            with open(os.path.join(folder, "of.farm", "template.json"), encoding="utf-8") as text:
+                of_openjd = json.load(text)["steps"][-1]["script"]["actions"]["onRun"]
+            self.assertEqual(of_openjd["args"][:2], [slurm.ISOLATED, "{{Param.Submit}}"])
+            job = Job(os.path.join(folder, "of.farm"))
+            with contextlib.redirect_stdout(io.StringIO()):
+                slurm.submit_first(job, True)
+            for command in (python + ["--status", job.folder], [slurm.PROGRAM, "--status", job.folder],
+                            ["env", "SLURM_ARRAY_TASK_ID=0", "sh", job.path("submitted", "r1-render.sh")]):
+                for path in ("", ":", f"{folder}:"):
+                    subprocess.run(command, cwd=folder, env={**os.environ, "PYTHONPATH": path}, check=False, timeout=60,
+                                   capture_output=True)
+                    self.assertFalse(os.path.exists(os.path.join(folder, "owned")), (command, path))
+            self.assertTrue(os.path.exists(os.path.join(folder, "shot.0001.exr")))  # the task did its work
 
 
 class Command(unittest.TestCase):

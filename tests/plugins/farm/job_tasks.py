@@ -40,7 +40,7 @@ def task_commands(folder, frames):
         space = step.get("parameterSpace", {"taskParameterDefinitions": []})["taskParameterDefinitions"]
         tiles = next((int(p["range"].split("-")[1]) + 1 for p in space if p["name"] == "Tile"), 1)
         for tile in range(tiles):
-            words = step["script"]["actions"]["onRun"]["args"][1:]
+            words = step["script"]["actions"]["onRun"]["args"][2:]
             for name, value in (("Param.Folder", folder), ("Task.Param.Frame", frames), ("Task.Param.Tile", str(tile))):
                 words = [word.replace("{{" + name + "}}", value) for word in words]
             commands.append([SUBMIT, *words])

@@ -3,6 +3,7 @@
 
 import math
 import os
+import zipfile
 from pathlib import Path
 
 import numpy
@@ -359,6 +360,18 @@ def test_media_are_said_by_attributes_or_a_side_car(foggy):
         foggy.open(sidecar=side).render()
 
 
+def test_the_exposure_of_the_camera_counts_once_in_each_frame(foggy):
+    foggy.stage.GetPrimAtPath("/cam").GetAttribute("exposure").Set(2.0)
+    foggy.stage.GetPrimAtPath("/fog").RemoveProperty("scrim:albedo")  # the side-car alone says what the medium is
+    side = foggy.folder / "side.toml"
+    side.write_text('["/fog".medium]\nemission = { grid = "density", scale = 2 }\n'
+                    'blackbody = { grid = "density", intensity = 3 }\n')  # fmt: skip
+    shot = foggy.open(sidecar=side)
+    media = [shot.scene(frame)["volume"][0]["medium"] for frame in (1, 2, 3)]
+    assert [medium["emission"]["scale"] for medium in media] == pytest.approx([8, 8, 8])
+    assert [medium["blackbody"]["intensity"] for medium in media] == pytest.approx([12, 12, 12])
+
+
 def test_a_volume_of_which_nothing_is_said_has_a_stated_medium(foggy):
     foggy.volume("/other", said=False)
     shot = foggy.open()
@@ -401,6 +414,21 @@ def test_archives_are_read(foggy):
     assert UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(foggy.path)), str(archive))
     packed = scrim.usd.open(archive, {"render.quality": "ultra"}, resolution=(16, 16)).render().image
     assert numpy.array_equal(packed, foggy.open().render().image)
+
+
+def test_archives_of_one_name_are_told_apart(foggy):
+    for name, value in (("one", 1), ("two", 2)):
+        (foggy.folder / name).mkdir()
+        with zipfile.ZipFile(foggy.folder / name / "fog.usdz", "w") as archive:
+            archive.write(write_fog(foggy.folder / name, value=value), "fog.vdb")
+    asset = foggy.stage.GetPrimAtPath("/fog/density").GetAttribute("filePath")
+    for name in ("one", "two"):
+        asset.Set(Sdf.AssetPath(f"{name}/fog.usdz[fog.vdb]"), 1 if name == "one" else 2)
+    shot = foggy.open()
+    files = [shot.scene(frame)["volume"][0]["file"] for frame in (1, 2)]
+    images = [shot.render(frame).image[8, 8, 3] for frame in (1, 2)]
+    assert files[0] != files[1]
+    assert images == pytest.approx([1 - math.exp(-TAU), 1 - math.exp(-2 * TAU)], rel=0.01)
 
 
 @needs_data

@@ -5,8 +5,10 @@ import os
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
+import time
 
 import numpy
 import OpenEXR
@@ -272,6 +274,43 @@ def scrim_path():
 def test_the_program_needs_room(scrim_on):
     done = scrim_on("--frames", "1", TMPDIR="/no/folder")
     assert done.returncode == 4 and "cannot make a folder for a stage's scenes: '/no/folder/scrim-usd-" in done.stderr
+
+
+def test_frames_are_as_many_as_one_likes(scrim_on, tmp_path):
+    counting = tmp_path / "counting"
+    counting.write_text(
+        "#!/bin/sh\nfor word; do case $word in --frames=*) file=${word#--frames=} ;; esac; done\n"
+        "printf 'error\\tusage\\t%s frames\\n' $(tr , '\\n' <$file | grep -c .)\n"
+    )
+    counting.chmod(0o755)
+    done = scrim_on("--frames", "1-30000", "-o", "a.####.exr", SCRIM_PYTHON=str(counting))
+    assert done.returncode == 2 and done.stderr.endswith(": 30000 frames\n"), done.stderr
+
+
+@pytest.mark.parametrize("signals", [[signal.SIGINT, signal.SIGINT], [signal.SIGKILL]], ids=["twice", "killed"])
+def test_a_program_that_ends_at_once_leaves_no_folder(foggy, tmp_path, python_path, signals):
+    foggy.stage.Save()
+    slow = tmp_path / "slow"  # a Python that reads the stage, and hears nothing
+    slow.write_text("#!/bin/sh\ntrap '' INT TERM\necho $$ >&2\nexec 2>/dev/null\nwhile sleep 0.1; do echo; done\n")
+    slow.chmod(0o755)
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    program = subprocess.Popen(
+        [PROGRAM, "render", foggy.path, "--frames", "1"], stderr=subprocess.PIPE, text=True,
+        env={**python_path, "SCRIM_PYTHON": str(slow), "TMPDIR": str(temporary)},
+    )  # fmt: skip
+    python = int(program.stderr.readline())
+    assert os.listdir(temporary)
+    for one in signals:
+        program.send_signal(one)
+        time.sleep(0.2)  # or two of them would be one
+    program.communicate()
+    os.kill(python, signal.SIGKILL)
+    for _ in range(300):
+        if not os.listdir(temporary):
+            return
+        time.sleep(0.1)
+    raise AssertionError(os.listdir(temporary))
 
 
 def test_other_commands_take_stages(scrim_on, foggy):

@@ -227,14 +227,15 @@ def test_a_new_light_is_seen_in_the_picture_and_goes_without_a_trace(kind, tmp_p
 
 
 def test_a_light_that_goes_leaves_the_names_of_the_others_and_no_link():
-    linked = SMOKE.replace("density =", 'lights = ["key", "light2"]\ndensity =', 1)
+    links = 'lights = ["key", "light2"]\nshadows = ["light2", "key"]\n'
+    linked = SMOKE.replace("density =", links + "density =", 1)
     document = _document.Document(linked.replace('name = "rim"\n', ""))
     document.take(document.changed(_lights.removed(document.data, 0)))
     assert [light["name"] for light in document.data["light"]] == ["light2"]
-    assert document.data["volume"][0]["lights"] == ["light2"]
+    assert document.data["volume"][0]["lights"] == document.data["volume"][0]["shadows"] == ["light2"]
     assert list(scrim.loads(document.text).resolved()["lights"]) == ["light2"]
     # A second new light of a kind has another name, and none is known before the first.
-    pose = _session.Viewpoint()
+    pose = _session.Viewpoint(_session.Places(None, None))
     pose.read(document.data, scrim.loads(document.text).resolved())
     names = []
     for _ in range(3):

@@ -155,7 +155,8 @@ def wanted(text=SMOKE, moves=False, since=0.0, muted=frozenset(), verify=False, 
 def pictures():
     """By what was rendered: coarse, a draft, the file's picture, layers, or the last two."""
     it = wanted()
-    frame = scrim.loads(SMOKE, {"output.layers": _pictures.LAYERS}).render()
+    own = _pictures.own_layers(it.shape.lights)
+    frame = scrim.loads(SMOKE, {"output.layers": _pictures.LAYERS, **own}).render()
 
     def of(stage, has_layers=False, **more):
         return replace(_pictures.pictures_of(frame, it.shape, it.strengths, stage, 0.1, has_layers), **more)

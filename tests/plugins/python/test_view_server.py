@@ -3,12 +3,16 @@
 
 import asyncio
 import gc
+import http.cookiejar
 import os
+import re
 import shlex
 import signal
 import subprocess
 import sys
 import threading
+import time
+import urllib.request
 import weakref
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +29,7 @@ from conftest import PROGRAM, SMOKE  # noqa: E402
 from viewing import PATIENCE, Browser, Viewer  # noqa: E402
 
 import scrim  # noqa: E402
+from scrim import _bounds  # noqa: E402
 from scrim.view import _door, _opening, _server, _session  # noqa: E402
 
 COMMENTED = SMOKE.replace("intensity = 4.5", "intensity = 4.5   # the sun").replace("[camera]", "# A shot\n[camera]")
@@ -329,6 +334,8 @@ def test_it_ends_when_told_and_leaves_no_child(view, how):
         (["bad.toml", "--listen=8080"], 2, "--listen '8080': expected HOST:PORT"),
         (["bad.toml", "--up=w"], 2, "--up 'w': expected x, y, z"),
         (["bad.toml", "--res=64"], 2, "--res '64': expected WxH"),
+        (["bad.toml", "--res=²x1"], 2, "--res '²x1': expected WxH"),
+        (["bad.toml", "--listen=127.0.0.1:²"], 2, "--listen '127.0.0.1:²': expected HOST:PORT"),
         (["good.toml", "--res=64x64"], 2, "--up and --res are for assets"),
         (["empty"], 3, "empty: there is nothing to show; expected .toml, .usd, .vdb, .nrrd or .nii"),
         (["good.toml", "--listen=203.0.113.1:0"], 4, "cannot listen on 203.0.113.1:0"),
@@ -514,5 +521,153 @@ def test_the_volumes_of_an_asset_go_when_another_file_is_opened(tmp_path, progra
     browser.until_exact()
     gc.collect()
     assert first() is None
+    browser.close()
+    serving.end()
+
+
+# ---- who may come in
+
+
+def browser_of(tmp_path):
+    """A browser for $BROWSER that keeps its words, and a copy of the file that it is sent to with the file's mode."""
+    path = tmp_path / "browser"
+    path.write_text(
+        f'#!/bin/sh\necho "$@" >{tmp_path}/words\nfile="${{1#file://}}"\nstat -c %a "$file" >{tmp_path}/mode\n'
+        f'cp "$file" {tmp_path}/copy\nmv {tmp_path}/copy {tmp_path}/open.html\n'
+    )
+    path.chmod(0o755)
+    return f"{path} %s"
+
+
+@pytest.fixture
+def invite(tmp_path, python_path):
+    """A viewer that opens a browser."""
+    (tmp_path / "shot.toml").write_text(COMMENTED)
+    started = []
+
+    def start(browser):
+        environment = {**python_path, "TMPDIR": str(tmp_path)}
+        started.append(Viewer(tmp_path / "shot.toml", environment, browser=browser))
+        return started[-1]
+
+    yield start
+    for viewer in started:
+        viewer.close()
+
+
+def test_the_browser_gets_a_ticket_that_no_command_line_shows_and_that_counts_once(invite, tmp_path):
+    viewer = invite(browser_of(tmp_path))
+    for _ in range(10 * PATIENCE):
+        if (tmp_path / "open.html").exists():
+            break
+        time.sleep(0.1)
+    words = (tmp_path / "words").read_text().strip()
+    assert words.startswith(f"file://{tmp_path}/scrim-view-") and viewer.token not in words
+    assert (tmp_path / "mode").read_text().strip() == "600"
+    page = (tmp_path / "open.html").read_text()
+    ticket = re.search(r"/\?ticket=([\w-]+)", page)[1]
+    assert ticket not in words and viewer.token not in page
+    assert viewer.get(f"/?ticket={ticket}x", token=False)[0] == 403
+    assert viewer.get(f"/?ticket={ticket}", token=False)[0] == 200  # with the cookie that it was given
+    assert viewer.get(f"/?ticket={ticket}", token=False)[0] == 403
+    assert not list(tmp_path.glob("scrim-view-*"))
+    assert viewer.get("/")[0] == 200  # the address that was printed opens further browsers
+
+
+def test_a_ticket_that_nobody_used_ends_with_the_viewer(invite, tmp_path):
+    viewer = invite("true %s")
+    viewer.browser().close()
+    assert list(tmp_path.glob("scrim-view-*/open.html"))
+    viewer.close()
+    assert not list(tmp_path.glob("scrim-view-*"))
+
+
+def test_the_cookie_is_not_the_token(view):
+    viewer = view()
+    cookies = http.cookiejar.CookieJar(http.cookiejar.DefaultCookiePolicy(strict_domain=False))
+    opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(cookies))
+    assert opener.open(viewer.url, timeout=PATIENCE).status == 200
+    (cookie,) = cookies
+    assert cookie.value != viewer.token and cookie.has_nonstandard_attr("HttpOnly")
+    assert viewer.get(f"/?token={cookie.value}", token=False)[0] == 403
+
+
+# ---- what takes long
+
+
+def test_others_are_answered_while_a_file_is_opened_or_written(tmp_path, monkeypatch):
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.toml").write_text(COMMENTED)
+    may_go_on, begun = threading.Event(), threading.Event()
+    right = _server.opened
+
+    def slow(path, **more):
+        begun.set()
+        assert may_go_on.wait(PATIENCE)
+        return right(path, **more)
+
+    monkeypatch.setattr(_server, "opened", slow)
+    serving = Serving(lambda: _opening.opened(str(tmp_path)))
+    browser, other = Browser(serving), Browser(serving)
+    browser.until_exact()
+    browser.send(type="open", name="b.toml")
+    assert begun.wait(PATIENCE)
+    assert serving.get("/page.js")[0] == 200
+    other.send(type="set", id="light.key.intensity", value=6.0, done=True)
+    other.until_exact()
+    may_go_on.set()
+    browser.serial = other.serial = 9
+    browser.until(lambda m: m["type"] == "state" and m["title"] == "b.toml")
+    browser.until(lambda m: m["type"] == "pictures" and m["exact"])
+
+    begun.clear()
+    may_go_on.clear()
+    writes = _server._exr_of
+
+    def slowly(frame):
+        begun.set()
+        assert may_go_on.wait(PATIENCE)
+        return writes(frame)
+
+    monkeypatch.setattr(_server, "_exr_of", slowly)
+    got = []
+    getting = threading.Thread(target=lambda: got.append(serving.get("/picture.exr")))
+    getting.start()
+    assert begun.wait(PATIENCE)
+    assert serving.get("/style.css")[0] == 200
+    may_go_on.set()
+    getting.join(PATIENCE)
+    assert got[0][0] == 200 and got[0][1].startswith(b"v/1\x01")
+    browser.close()
+    other.close()
+    serving.end()
+
+
+def test_framing_waits_beside_for_a_volume_that_is_slow_and_asks_again_after_a_failure(tmp_path, program, monkeypatch):
+    assert program("make", "noise", "resolution=16", "-q", "-o", tmp_path / "a.vdb").returncode == 0
+    text = COMMENTED.replace('source = "noise"\nparameters = { resolution = 32, seed = 4 }', 'file = "a.vdb"')
+    (tmp_path / "shot.toml").write_text(text)
+    may_go_on, asked = threading.Event(), []
+    right = _bounds.program.ask
+
+    def slow(words, seconds):
+        asked.append(words)
+        assert may_go_on.wait(PATIENCE)
+        if len(asked) == 1:
+            raise _bounds.Failure("scrim took longer than 20 seconds")
+        return right(words, seconds)
+
+    monkeypatch.setattr(_bounds.program, "ask", slow)
+    serving = Serving(lambda: _opening.opened(str(tmp_path / "shot.toml")))
+    browser = Browser(serving)
+    browser.until(lambda m: m["type"] == "state")
+    browser.send(type="view", to="frame")
+    browser.until(lambda m: m["type"] == "state" and m["message"] == "reading where the volumes are")
+    assert serving.get("/page.js")[0] == 200
+    may_go_on.set()
+    assert "does not say where its voxels are" in browser.until(lambda m: m["type"] == "error")["text"]
+    browser.send(type="view", to="frame")
+    browser.until(lambda m: m["type"] == "state" and m["free"])
+    assert len(asked) == 2
     browser.close()
     serving.end()

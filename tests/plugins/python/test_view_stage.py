@@ -2,8 +2,10 @@
 """The viewer on stages of OpenUSD: their cameras, and what they leave behind when they are saved as scenes."""
 
 import shlex
+import shutil
 import subprocess
 import sys
+import zipfile
 
 import numpy
 import OpenEXR
@@ -14,11 +16,13 @@ pytest.importorskip("tomlkit")
 pytest.importorskip("pxr", reason="usd-core is not installed")
 
 from conftest import PROGRAM  # noqa: E402
-from pxr import Gf, Usd, UsdGeom, UsdRender  # noqa: E402
-from usd_stages import lit_fog_stage  # noqa: E402
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdRender  # noqa: E402
+from usd_stages import lit_fog_stage, write_fog  # noqa: E402
 from viewing import Viewer  # noqa: E402
 
 import scrim.usd  # noqa: E402
+import scrim.view._document  # noqa: E402
+import scrim.view._opening  # noqa: E402
 
 
 @pytest.fixture
@@ -71,6 +75,77 @@ def test_a_saved_stage_keeps_its_solids(browser, stage):
     picture = scrim.open(folder / "kept.toml").render().image
     assert numpy.array_equal(picture.astype(numpy.float16), shown)
     assert numpy.array_equal(browser.until_exact(), shown)
+
+
+def test_a_stage_is_not_saved_over_anything(browser, stage):
+    browser.until_exact()
+    (stage.parent / "there.toml").write_text("mine")
+    (stage.parent / "taken.files").mkdir()
+    (stage.parent / "taken.files" / "card.ply").write_text("mine")
+    before = sorted(stage.parent.iterdir())
+    for name in ("there", "taken"):
+        browser.send(type="save", name=f"{name}.toml")
+        assert "there is such a file already" in browser.until(lambda m: m["type"] == "error")["text"]
+    assert sorted(stage.parent.iterdir()) == before
+    assert (stage.parent / "taken.files" / "card.ply").read_text() == "mine"
+
+
+def test_a_stage_whose_scene_cannot_be_saved_leaves_no_files(browser, stage, monkeypatch):
+    opened = scrim.view._opening.opened(str(stage))
+    files = opened.temporary_files(scrim.view._document.Document(opened.text).data)
+    assert files
+    monkeypatch.setattr(shutil, "copy", lambda *_: open("/no/such/folder/x", "w"))
+    with pytest.raises(scrim.OutputError, match="cannot write to '.*half.files': No such file or directory"):
+        opened.copied(files, "half.toml")
+    assert not (stage.parent / "half.files").exists()
+
+
+@pytest.fixture
+def packed(tmp_path):
+    """A stage whose volumes, sky and profile of a light are in archives, some of one name."""
+    made = lit_fog_stage(tmp_path)
+    sky = numpy.zeros((8, 16, 3), numpy.float32)
+    sky[:4] = 2.0
+    OpenEXR.File({"type": OpenEXR.scanlineimage}, {"RGB": sky}).write(str(tmp_path / "sky.exr"))
+    (tmp_path / "lamp.ies").write_text(
+        "IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 0\n0 45 90\n0\n100 70 10\n"
+    )
+    contents = {"one/fog.usdz": {"slab.vdb": 1, "sky.exr": 0}, "two/fog.usdz": {"slab.vdb": 2, "lamp.ies": 0}}
+    for archive, members in contents.items():
+        (tmp_path / archive).parent.mkdir()
+        with zipfile.ZipFile(tmp_path / archive, "w") as file:
+            for member, value in members.items():
+                file.write(write_fog(tmp_path, value=value) if value else tmp_path / member, member)
+    for name in ("slab.vdb", "sky.exr", "lamp.ies"):
+        (tmp_path / name).unlink()
+    volume = made.volume("/two", ["two/fog.usdz[slab.vdb]", "one/fog.usdz[slab.vdb]"], ["density", "temperature"])
+    made.stage.GetPrimAtPath("/two/temperature").GetAttribute("fieldName").Set("density")
+    made.say(volume, "emission:grid", Sdf.ValueTypeNames.String, "temperature")
+    volume.AddTranslateOp().Set(Gf.Vec3d(4, 0, 0))
+    made.stage.GetPrimAtPath("/fog/density").GetAttribute("filePath").Set("one/fog.usdz[slab.vdb]")
+    dome = made.light("DomeLight", "/sky")
+    dome.GetTextureFileAttr().Set("one/fog.usdz[sky.exr]")
+    lamp = made.light("SphereLight", "/lamp", radius=0.5, intensity=50.0)
+    UsdLux.ShapingAPI.Apply(lamp.GetPrim()).CreateShapingIesFileAttr("two/fog.usdz[lamp.ies]")
+    UsdGeom.Xformable(lamp).AddTranslateOp().Set(Gf.Vec3d(0, 30, 0))
+    made.stage.Save()
+    return made.path
+
+
+def test_a_saved_stage_keeps_all_files_of_its_archives(packed, python_path):
+    viewer = Viewer(packed, python_path, "--frame=1")
+    browser = viewer.browser()
+    shown = browser.until_exact()
+    browser.send(type="save", name="kept.toml")
+    browser.until(lambda m: m["type"] == "state" and m["file"] == "kept.toml")
+    assert not browser.errors
+    browser.close()
+    viewer.close()  # and with it whatever was temporary
+    text = (packed.parent / "kept.toml").read_text()
+    assert "scrim-usd-" not in text
+    kept = [path for path in (packed.parent / "kept.files").rglob("*") if path.is_file()]
+    assert sorted(path.name for path in kept) == ["lamp.ies", "sky.exr", "slab.vdb", "slab.vdb"]
+    assert numpy.array_equal(half(scrim.open(packed.parent / "kept.toml").render()), shown)
 
 
 @pytest.fixture

@@ -21,8 +21,9 @@ PATIENCE = 60  # seconds
 class Viewer:
     """`python -m scrim.view PATH`, which has printed its address."""
 
-    def __init__(self, path, environment, *options):
-        words = [sys.executable, "-m", "scrim.view", str(path), "--no-browser", *options]
+    def __init__(self, path, environment, *options, browser=""):
+        words = [sys.executable, "-m", "scrim.view", path, *options, *(() if browser else ("--no-browser",))]
+        environment = {**environment, "BROWSER": browser}
         self.process = subprocess.Popen(
             words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )

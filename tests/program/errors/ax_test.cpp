@@ -174,6 +174,8 @@ TEST_F(Ax, InfoDescribesAndMakeSavesTheGridsThatExpressionsLeave) {
                   "make ax: expected file=IN.vdb, and code=CODE or ax_file=FILE or resample=2");
     expectFailure({"make", "ax", "file=smoke.vdb", "code=f@density *= $gain;", "gain=1,2", "-o", "c.vdb"}, 2,
                   "'gain=1,2': expected a number, or three with commas between them");
+    expectFailure({"make", "ax", "file=smoke.vdb", "code=f@density *= 2;", "resample=nan", "-o", "c.vdb"}, 2,
+                  "'resample=nan': expected a number from 0.125 to 16");
 }
 
 /// Expressions that are wrong, or that want too much: none may do more than fail.

@@ -26,7 +26,7 @@ TEST(SceneShading, ArrivesInTheVolume) {
         "edge = [0.02, 0.1]\nmask = { grid = \"heat\", to = [1, 0] }\nnoise_mode = \"erode\"\n"
         "noise = { amount = 0.7, frequency = 3, octaves = 5, roughness = 0.6, lacunarity = 2.5, seed = 4, "
         "space = \"world\", offset = [1, 2, 3], evolution = 0.5 }\n");
-    const Noise noise{0.7, 3, 5, 0.6, 2.5, {1, 2, 3}, 0.5, 4, true};
+    const Noise noise{0.7, 3, 5, 0.6, 2.5, {1, 2, 3}, 0.5, 4, true, "scene.toml:11:9"};
     EXPECT_EQ(v.shading.remap, (Remap{{0.1, 0.8}, {0, 2}, 0.5, 3}));
     EXPECT_EQ(v.shading.edge, (std::array<double, 2>{0.02, 0.1}));
     EXPECT_EQ(v.shading.mask, (Mask{"heat", Remap{{0, 1}, {1, 0}}, "scene.toml:9:17"}));

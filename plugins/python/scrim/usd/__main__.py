@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`python -m scrim.usd FILE FOLDER --frames 1,2`: the scenes of a stage as TOML files in FOLDER, for the program.
+"""`python -m scrim.usd FILE FOLDER --frames LIST`: the scenes of a stage as TOML files in FOLDER, for the program.
 
 What was made is told on stdout, a line each, in fields with tabs between: `stage FIRST LAST`, `scene FRAME FILE CROP`,
 `warning TEXT`, `note TEXT`, and `error KIND TEXT`, after which it ends with status 1.
@@ -23,7 +23,7 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m scrim.usd", description="Scenes of an OpenUSD stage.")
     parser.add_argument("file")
     parser.add_argument("folder", help="where scenes and meshes go")
-    parser.add_argument("--frames", help="1,2,5; without it the first of the stage")
+    parser.add_argument("--frames", metavar="LIST", help="a file that holds 1,2,5; without it the first of the stage")
     parser.add_argument("--camera")
     parser.add_argument("--settings")
     parser.add_argument("--purpose")
@@ -32,6 +32,11 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--meshes", default="holdout")
     parser.add_argument("--res", help="WxH")
     return parser.parse_args()
+
+
+def _frames(path: str) -> list[int]:
+    with open(path, encoding="utf-8") as file:
+        return [int(frame) for frame in file.read().split(",")]
 
 
 def _write(given: argparse.Namespace) -> None:
@@ -55,7 +60,7 @@ def _write(given: argparse.Namespace) -> None:
     there = _reading.frames_of(stage)
     _say("stage", there[0], there[-1])
     messages = _reading.Messages()
-    for frame in [int(f) for f in given.frames.split(",")] if given.frames else there[:1]:
+    for frame in _frames(given.frames) if given.frames else there[:1]:
         made = scene_at(stage, frame, options, sidecar, messages, given.folder)
         path = os.path.join(given.folder, f"{frame}.toml")
         with open(path, "w", encoding="utf-8") as file:

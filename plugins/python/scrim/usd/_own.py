@@ -7,6 +7,7 @@ what is no key of a volume is one of its medium. Of other prims the names are th
 
 from __future__ import annotations
 
+import copy
 import os
 import re
 from collections.abc import Mapping
@@ -21,11 +22,13 @@ _OF_VOLUMES = ("name", "frame", "transform", "density", "velocity", "lights", "s
 
 
 def merge(into: dict, more: Mapping) -> None:
+    """Adds keys, and replaces those that are there. `more` stays as it is whatever becomes of `into`, whose tables are
+    changed later: a side-car is read once for all frames."""
     for key, value in more.items():
         if isinstance(value, Mapping) and isinstance(into.get(key), dict):
             merge(into[key], value)
         else:
-            into[key] = dict(value) if isinstance(value, Mapping) else value
+            into[key] = copy.deepcopy(value)
 
 
 def _plain(value: object) -> object:

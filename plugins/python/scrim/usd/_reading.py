@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 import zipfile
@@ -123,11 +124,14 @@ class Reading:
         return pattern_of(path)
 
     def _unpacked(self, archive: str, member: str) -> str:
-        path = os.path.join(self.folder, os.path.basename(archive), member)
+        # Archives in several folders may have one name: each has a folder of its own, the same in all frames.
+        own = hashlib.sha256(os.fsencode(os.path.abspath(archive))).hexdigest()[:16]
+        folder = os.path.join(self.folder, own, os.path.basename(archive))
+        path = os.path.join(folder, member)
         if not os.path.exists(path):
             try:
                 with zipfile.ZipFile(archive) as file:
-                    file.extract(member, os.path.join(self.folder, os.path.basename(archive)))
+                    file.extract(member, folder)
             except (OSError, KeyError, zipfile.BadZipFile) as problem:
                 raise InputError(f"{archive}[{member}]: {problem}") from problem
         return path

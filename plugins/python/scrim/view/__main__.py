@@ -45,7 +45,7 @@ def _arguments(words: list[str] | None) -> argparse.Namespace:
 
 def _address(text: str) -> tuple[str, int]:
     host, _, port = text.rpartition(":")
-    if not port.isdigit() or int(port) > 65535 or not host:
+    if not (port.isdecimal() and port.isascii() and len(port) < 6 and int(port) < 65536 and host):
         raise scrim.UsageError(f"--listen '{text}': expected HOST:PORT, such as 127.0.0.1:8080, or 0 for a free port")
     return host.strip("[]"), int(port)
 
@@ -63,15 +63,20 @@ def _size(text: str) -> tuple[int, int] | None:
     if not text:
         return None
     width, _, height = text.partition("x")
-    if not (width.isdigit() and height.isdigit()):
+    if not (width.isdecimal() and height.isdecimal() and text.isascii()):
         raise scrim.UsageError(f"--res '{text}': expected WxH, such as 512x512")
     return int(width), int(height)
 
 
-def _invite(url: str, opens_browser: bool) -> None:
-    print(f"scrim view: {url}", flush=True)
+def _invite(door: Door, opens_browser: bool) -> None:
+    print(f"scrim view: {door.url}", flush=True)
     if opens_browser and any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")):
-        threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
+        try:
+            file = door.invite()
+        except OSError as error:
+            logging.getLogger("scrim").warning("no browser is opened: %s", error)
+            return
+        threading.Thread(target=webbrowser.open, args=(file,), daemon=True).start()
 
 
 async def _serve(server: object) -> int:
@@ -97,10 +102,13 @@ def _view(words: list[str] | None) -> int:
         scene = opening()
         opening = lambda: scene  # noqa: E731
     door = Door(*listen)
-    _invite(door.url, not given.no_browser)
-    from ._server import Server
+    try:
+        _invite(door, not given.no_browser)
+        from ._server import Server
 
-    status = asyncio.run(_serve(Server(opening, door)))
+        status = asyncio.run(_serve(Server(opening, door)))
+    finally:
+        door.end_invitation()
     gc.collect()  # while the module that made the pictures is there
     return status
 

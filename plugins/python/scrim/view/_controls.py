@@ -15,6 +15,7 @@ import numpy as np
 from ._camera import angles_of, direction_of
 from . import _code, _curves, _shading
 from ._document import Change, Place, name_of
+from ._messages import is_number
 
 _QUALITIES = ("draft", "standard", "high", "ultra")
 # The errors that these promise, for media and for classified volumes: `scrim help render`.
@@ -51,7 +52,7 @@ class Control:
         if self.is_keyed:
             return False
         if self.kind in ("colour", "vector"):
-            return isinstance(value, list) and len(value) == 3 and all(_is_number(part) for part in value)
+            return isinstance(value, list) and len(value) == 3 and all(is_number(part) for part in value)
         if self.kind == "choice":
             return value in self.choices
         if self.kind == "code":
@@ -60,7 +61,7 @@ class Control:
             return _curves.accepts(self.kind, value)
         if self.kind == "switch":
             return isinstance(value, bool)
-        return _is_number(value)
+        return is_number(value)
 
     def as_data(self) -> dict:
         """For the page."""
@@ -91,10 +92,6 @@ class Group:
     title: str
     controls: list[Control]
     folded: bool = False
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and bool(np.isfinite(value))
 
 
 def _read(table: Mapping, keys: Place, default: object) -> object:
@@ -128,7 +125,7 @@ class Maker:
         place = (*self._place, *keys)
         name = ".".join(str(key) for key in keys)
         is_keyed = _is_keyed(value)
-        if kind in ("number",) and not is_keyed and not _is_number(value):
+        if kind in ("number",) and not is_keyed and not is_number(value):
             return  # a grid or another form that has no slider
         if kind in ("colour", "vector") and not is_keyed and not _is_triple(value):
             return
@@ -140,7 +137,7 @@ class Maker:
                  ends: tuple[str, ...] = ("low", "high")) -> None:  # fmt: skip
         """A slider for each number of a pair. `ascends`: one end moves the other along where it has to."""
         value = _read(self._table, keys, list(default))
-        if not (isinstance(value, list) and len(value) == 2 and all(_is_number(one) for one in value)):
+        if not (isinstance(value, list) and len(value) == 2 and all(is_number(one) for one in value)):
             return
         place, name = (*self._place, *keys), ".".join(str(key) for key in keys)
         low, high = value
@@ -182,7 +179,7 @@ class Maker:
 
 
 def _is_triple(value: object) -> bool:
-    return isinstance(value, list) and len(value) == 3 and all(_is_number(part) for part in value)
+    return isinstance(value, list) and len(value) == 3 and all(is_number(part) for part in value)
 
 
 def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
@@ -265,7 +262,7 @@ def promise_of(scene: Mapping) -> float | None:
     """The relative error that the scene's tolerance or preset promises; None where it promises none."""
     render, promises = scene.get("render", {}), _promises(scene)
     tolerance, quality = render.get("tolerance", 0), render.get("quality", "standard")
-    if _is_number(tolerance) and tolerance > 0:
+    if is_number(tolerance) and tolerance > 0:
         return float(tolerance)
     return promises[_QUALITIES.index(quality)] if promises and quality in _QUALITIES else None
 
@@ -291,7 +288,7 @@ def _volume_code(index: int, volume: Mapping) -> Group:
             make.add(f"${key}", "vector", ("parameters", key), None)
         elif _is_keyed(value):
             make.add(f"${key}", "number", ("parameters", key), None)
-        elif _is_number(value):
+        elif is_number(value):
             least, most = _code.range_of(value)
             make.add(f"${key}", "number", ("parameters", key), None, least=least, most=most)
     return Group("code", name, f"{name}: code", make.controls, not code)

@@ -6,10 +6,10 @@ A `ramp` has heights, `colours` have colours, and a `transfer` has both; what a 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 from ._document import Change, Place
+from ._messages import is_number
 
 KINDS = ("ramp", "colours", "transfer")
 _WHITE = [1.0, 1.0, 1.0]
@@ -41,18 +41,14 @@ def accepts(kind: str, value: object) -> bool:
 def _is_point(kind: str, place: object, height: object, colour: object) -> bool:
     has_height, has_colour = kind != "colours", kind != "ramp"
     return (
-        _is_number(place)
-        and (_is_number(height) if has_height else height is None)
+        is_number(place)
+        and (is_number(height) if has_height else height is None)
         and (_is_colour(colour) if has_colour else colour is None)
     )
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-
-
 def _is_colour(value: object) -> bool:
-    return isinstance(value, list) and len(value) == 3 and all(_is_number(part) for part in value)
+    return isinstance(value, list) and len(value) == 3 and all(is_number(part) for part in value)
 
 
 def changes(kind: str, place: Place, value: list[list], given: object) -> list[Change]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 import os
+import re
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 
@@ -22,6 +23,7 @@ from .._errors import OutputError, UsageError
 Place = tuple[str | int, ...]
 Change = tuple[Place, object]  # None removes the key
 
+_PLAIN = re.compile(r"[A-Za-z0-9_-]+")
 _DIGITS = 6  # significant ones of numbers that sliders give
 
 
@@ -39,6 +41,13 @@ def rounded(value: object) -> object:
 def name_of(kind: str, index: int, table: Mapping) -> str:
     """The name by which --set knows an item of a list of tables: its own, else the default."""
     return str(table.get("name", f"{kind}{index + 1}"))
+
+
+def path_of(kind: str, index: int, table: Mapping) -> str:
+    """How --set reaches an item of a list of tables: by its name where that can be a part of a path, else by its
+    place."""
+    name = name_of(kind, index, table)
+    return f"{kind}.{name}" if _PLAIN.fullmatch(name) else f"{kind}[{index}]"
 
 
 def _change(document: dict, place: Place, value: object) -> None:
@@ -284,7 +293,7 @@ def _values(scene: Mapping) -> Iterator[tuple[str, object]]:
         elif isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value) and key in LISTS:
             for index, one in enumerate(value):
                 for inner, it in _values(one):
-                    yield f"{key}.{name_of(key, index, one)}.{inner}", it
+                    yield f"{path_of(key, index, one)}.{inner}", it
         else:
             yield key, value
 

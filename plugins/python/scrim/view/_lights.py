@@ -55,8 +55,10 @@ def removed(scene: Mapping, index: int) -> list[Change]:
         if i > index and "name" not in light
     ]
     for i, volume in enumerate(scene.get("volume", [])):
-        if gone in volume.get("lights", []):
-            changes.append((("volume", i, "lights"), [name for name in volume["lights"] if name != gone]))
+        for key in ("lights", "shadows"):
+            names = volume.get(key)
+            if isinstance(names, list) and gone in names:
+                changes.append((("volume", i, key), [name for name in names if name != gone]))
     return [*changes, (("light", index), None)]
 
 

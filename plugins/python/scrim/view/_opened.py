@@ -6,16 +6,17 @@ from __future__ import annotations
 import os
 import shlex
 import shutil
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from scrim_kit import toml_text
+from scrim_kit.frames import at_frame, pattern_of
 
 from .._errors import OutputError
 
 if TYPE_CHECKING:
-    from ._document import Change
+    from ._document import Change, Place
 
 
 @dataclass(frozen=True)
@@ -43,33 +44,79 @@ class Opened:
     grids: Mapping[str, object] = field(default_factory=dict)
     loaded: object = None
 
-    def with_files(self, scene: Mapping, name: str) -> list[Change]:
-        """Copies the scene's temporary files into a folder beside the scene that will have this name: what must be
-        changed in it then. Raises OutputError."""
-        beside, changes = name.removesuffix(".toml") + ".files", []
-        for kind in ("mesh", "volume"):
-            for index, table in enumerate(scene.get(kind, [])):
-                file = table.get("file")
-                if isinstance(file, str) and os.path.abspath(file).startswith(self.temporary + os.sep):
-                    changes.append(((kind, index, "file"), f"{beside}/{os.path.basename(file)}"))
-                    self._copy(file, beside)
-        return changes
+    def temporary_files(self, scene: Mapping) -> dict[str, str]:
+        """The scene's files that end with what is looked at: what the scene calls them, and their paths. Whatever key
+        names them: meshes, volumes, their grids, pictures of domes, profiles of lights."""
+        if not self.temporary:
+            return {}
+        texts = {text for whole in _texts(scene) for text in (whole, whole.rpartition(":")[0])}  # FILE or FILE:GRID
+        paths = {text: at_frame(text, 1) for text in texts}  # names of single files, written as patterns
+        begin = self.temporary + os.sep
+        return {text: path for text, path in paths.items() if path.startswith(begin) and os.path.isfile(path)}
 
-    def _copy(self, file: str, beside: str) -> None:
+    def check_new(self, name: str) -> None:
+        """That neither a scene of this name nor the folder of its files is there. Raises OutputError."""
+        for path in (os.path.join(self.folder, name), self._files_of(name)):
+            if os.path.lexists(path):
+                raise OutputError(f"{path}: there is such a file already; choose another name")
+
+    def copied(self, files: Mapping[str, str], name: str) -> dict[str, str]:
+        """Copies files into a folder beside the scene that will have this name: what that calls them. They keep their
+        places below the temporary folder, so that equal names stay apart. Raises OutputError."""
+        folder, names = self._files_of(name), {}
         try:
-            os.makedirs(os.path.join(self.folder, beside), exist_ok=True)
-            shutil.copy(file, os.path.join(self.folder, beside))
+            os.mkdir(folder)
+            for text, path in files.items():
+                inside = os.path.relpath(path, self.temporary)
+                os.makedirs(os.path.dirname(os.path.join(folder, inside)), exist_ok=True)
+                shutil.copy(path, os.path.join(folder, inside))
+                names[text] = pattern_of(os.path.join(os.path.basename(folder), inside))
         except OSError as error:
-            raise OutputError(f"cannot write to '{beside}': {error.strerror}") from error
+            if not isinstance(error, FileExistsError):
+                self.forget_copies(name)
+            raise OutputError(f"cannot write to '{folder}': {error.strerror}") from error
+        return names
 
-    def command(
-        self, file: str, sets: list[str], view: Mapping[str, object], muted: Iterable[str], frame: int | None
-    ) -> str:
+    def forget_copies(self, name: str) -> None:
+        """Removes what was copied for a scene that was not saved."""
+        shutil.rmtree(self._files_of(name), ignore_errors=True)
+
+    def _files_of(self, name: str) -> str:
+        return os.path.join(self.folder, name.removesuffix(".toml") + ".files")
+
+    def command(self, file: str, sets: list[str], overrides: Mapping[str, object], frame: int | None) -> str:
         """The command line that renders a scene of this: `file` "" is what was opened; `sets` are texts for --set."""
-        sets = sets + [toml_text.assignment(key, value) for key, value in view.items()]
-        sets += [f"{name}.intensity=0.0" for name in sorted(muted) if name.startswith("light.")]
-        sets += ["ambient.color=[0.0, 0.0, 0.0]"] if "ambient" in muted else []
+        sets = sets + [toml_text.assignment(key, value) for key, value in overrides.items()]
         words = ["scrim", "render", file or self.input, *self.options]
         words += [word for one in sets for word in ("--set", one)]
         words += ["--frames", str(frame)] if frame is not None else []
         return shlex.join([*words, "-o", "picture.exr"])
+
+
+def _texts(value: object) -> Iterator[str]:
+    """All strings in a scene."""
+    if isinstance(value, str):
+        yield value
+    for one in value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ():
+        yield from _texts(one)
+
+
+def renamed_files(value: object, names: Mapping[str, str], place: Place = ()) -> Iterator[Change]:
+    """What calls files in a scene by other names."""
+    if isinstance(value, Mapping):
+        for key, one in value.items():
+            yield from renamed_files(one, names, (*place, key))
+    elif isinstance(value, list) and any(isinstance(one, Mapping) for one in value):
+        for index, one in enumerate(value):
+            yield from renamed_files(one, names, (*place, index))
+    elif (new := _renamed(value, names)) != value:
+        yield place, new
+
+
+def _renamed(value: object, names: Mapping[str, str]) -> object:
+    if isinstance(value, list):
+        return [_renamed(one, names) for one in value]
+    if not isinstance(value, str):
+        return value
+    file, colon, grid = value.rpartition(":")
+    return names.get(value) or (names[file] + colon + grid if file in names else value)

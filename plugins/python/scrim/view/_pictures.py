@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,6 +17,7 @@ import numpy as np
 from ._document import name_of
 
 LAYERS = ["light", "ambient", "emission", "depth"]
+_OWN = "view"  # how groups begin that give each light a layer of its own
 _STRENGTHS = ("intensity", "exposure", "color", "temperature")
 _HALF_MOST = 65504.0
 _numbers = itertools.count(1)
@@ -72,6 +73,12 @@ def shape_of(scene: Mapping, view: Mapping, frame: int) -> Shape:
         emitter["table"].pop(emitter["key"], None)
     # Lights that come or go change the sums and the plan: they count as a change of everything.
     return Shape({"scene": common, "view": dict(view), "frame": frame, "lights": list(lights)}, lights, render)
+
+
+def own_layers(lights: Iterable[str]) -> dict[str, str]:
+    """Overrides of a scene with these lights that give each of them a layer of its own, of a name that tells which it
+    is: by themselves lights share the layers of their groups, and layers have names that suit compositing programs."""
+    return {f"light[{index}].group": f"{_OWN}{index}" for index, _ in enumerate(lights)}
 
 
 def strengths_of(scene: Mapping, resolved: Mapping) -> Strengths:
@@ -193,17 +200,19 @@ class Pictures:
 def pictures_of(
     frame: object, shape: Shape, strengths: Strengths, stage: str, seconds: float, has_layers: bool = False
 ) -> Pictures:
-    """Of a rendered `scrim.Frame`, with its layers where they were asked for."""
+    """Of a rendered `scrim.Frame`, with its layers where they were asked for, by `own_layers`."""
     inside = _inside(frame)
     beauty = frame.image[inside]
     if not has_layers:
         return Pictures(shape, Texture.of(beauty), None, None, stage, strengths, seconds=seconds)
     layers, rest = {}, beauty[..., :3].copy()
-    for name in frame.layers:
-        if name.startswith("light.") or name in ("ambient", "emission"):
-            pixels = frame[name][inside][..., :3]
+    named = {f"light.{_OWN}{index}": f"light.{light}" for index, light in enumerate(shape.lights)}
+    for there in frame.layers:
+        name = named.get(there, there)
+        if there in named or there in ("ambient", "emission"):
+            pixels = frame[there][inside][..., :3]
             rest -= pixels
-            own = shape.lights.get(name.removeprefix("light."), {}) if name.startswith("light.") else {}
+            own = shape.lights[name.removeprefix("light.")] if there in named else {}
             texture = Texture.of(pixels) if pixels.any() else None
             layers[name] = Layer(texture, strengths.of.get(name, np.ones(3)), own, stage)
     depth = Depth.of(frame["depth"][inside]) if "depth" in frame.layers else None

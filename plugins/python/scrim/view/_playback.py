@@ -8,8 +8,6 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from dataclasses import replace
 
-import scrim
-
 from ._pictures import Pictures
 
 LIMIT = 512 << 20  # bytes
@@ -87,9 +85,9 @@ class Player:
         try:
             if self._session.show_frame(frame):
                 self._go_on()
-        except scrim.Error as error:
+        except Exception:
             self.is_playing = False
-            self._tell({"type": "error", "text": str(error)})
+            raise  # `later` tells it
 
     def _go_on(self) -> None:
         self._waits = False

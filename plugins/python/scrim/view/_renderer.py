@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import scrim
 
-from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, pictures_of, with_region
+from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, own_layers, pictures_of, with_region
 
 # Dials while things move: coarse, in time that depends little on the volume. They replace the search of the dials that
 # keep a preset's promise, which takes longer than such a render.
@@ -39,6 +39,7 @@ _REST = 0.7  # seconds without a change after which the picture of the scene's f
 _VERIFIED = 400  # pixels that are compared with brute force on request
 _VERIFY_SECONDS = 30.0  # after which as many of them are enough as there are
 _POLL = 0.005
+_MATTERS = ("text", "view", "frame", "muted", "region", "verify", "plays")  # to whether what is wanted can be had
 _LONG = 6.0  # seconds from which on the picture of the file is one that a draft goes before
 _SOON = 1.0  # seconds of it after which that is known
 
@@ -131,8 +132,8 @@ def _alike(pictures: Pictures, wanted: Wanted) -> bool:
 
 
 class Renderer:
-    """`shown(pictures, wanted, task)` and `failed(text, wanted)` are called in this object's thread, `shown` also while
-    a picture of an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in
+    """`shown(pictures, wanted, task)` and `failed(error, wanted)` are called in this object's thread, `shown` also
+    while a picture of an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in
     code, by the names of volumes. `loaded`: a shot that shares what it has loaded, and that is this object's from now on."""
 
     def __init__(
@@ -141,7 +142,7 @@ class Renderer:
         name: str,
         ocio: str,
         shown: Callable[[Pictures, Wanted, Task], object],
-        failed: Callable[[str, Wanted], object],
+        failed: Callable[[Exception, Wanted], object],
         grids: Mapping[str, object] | None = None,
         loaded: scrim.Shot | None = None,
     ) -> None:
@@ -150,6 +151,7 @@ class Renderer:
         self._shot = loaded
         self._wanted: Wanted | None = None
         self._pictures: Pictures | None = None
+        self._tried: Wanted | None = None  # what is worked for
         self._bad: Wanted | None = None  # what cannot be rendered
         self._level: int | None = None
         self._is_slow = False
@@ -183,14 +185,16 @@ class Renderer:
             self._changed.notify()
         self._thread.join()
 
-    def _next(self) -> tuple[Wanted, Task] | None:
+    def _next(self) -> Task | None:
+        """What is to be done for `_tried`; None once this object is stopped."""
         with self._changed:
             while not self._stopped:
                 wanted = self._wanted
                 if wanted is not None and not self._is_bad(wanted):
+                    self._tried = wanted
                     task = next_task(wanted, self._pictures, time.monotonic(), self._is_slow)
                     if task is not None:
-                        return wanted, task
+                        return task
                     if not is_exact(wanted, self._pictures):  # time alone may ask for a render
                         self._changed.wait(0.05)
                         continue
@@ -198,19 +202,20 @@ class Renderer:
         return None
 
     def _is_bad(self, wanted: Wanted) -> bool:
+        """Whether it is what could not be rendered, so that it would fail again."""
         bad = self._bad
-        return bad is not None and (bad.text, bad.view, bad.frame) == (wanted.text, wanted.view, wanted.frame)
+        return bad is not None and all(getattr(bad, name) == getattr(wanted, name) for name in _MATTERS)
 
     def _run(self) -> None:
-        while (work := self._next()) is not None:
-            wanted, task = work
+        while not self._stopped:
             try:
-                self._render(wanted, task)
+                if (task := self._next()) is not None:
+                    self._render(self._tried, task)
             except scrim.Cancelled:
                 pass
-            except scrim.Error as error:
-                self._bad = wanted
-                self._failed(str(error), wanted)
+            except Exception as error:  # noqa: BLE001  whatever it is, users see it, and the next change is rendered
+                self._bad = self._tried
+                self._failed(error, self._tried)
             finally:
                 self._job = None
         self._shot = self._pictures = None
@@ -227,12 +232,16 @@ class Renderer:
         if task.kind not in ("exact", "verify"):
             over["camera.overscan"] = 0
             over["output.layers"] = LAYERS if task.kind == "layers" else []
+        # Lights by their places in the list: a name may hold what ends a part of a path.
+        lights = list(enumerate(wanted.shape.lights))
+        if task.kind in ("layers", "light"):
+            over |= own_layers(wanted.shape.lights)
         if task.kind == "light":
             over["output.layers"] = ["light"]
             over["ambient.color"] = [0.0, 0.0, 0.0]
-            over |= {f"light.{name}.intensity": 0.0 for name in wanted.shape.lights if name != task.light}
+            over |= {f"light[{index}].intensity": 0.0 for index, name in lights if name != task.light}
         elif task.kind in ("whole", "region"):
-            over |= {f"{n}.intensity": 0.0 for n in wanted.muted if n.startswith("light.")}
+            over |= {f"light[{index}].intensity": 0.0 for index, name in lights if f"light.{name}" in wanted.muted}
             over |= {"ambient.color": [0.0, 0.0, 0.0]} if "ambient" in wanted.muted else {}
         return over, size
 

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Shows a session to browsers: the page, and a web socket for what changes.
 
-A browser needs the token once; a cookie stands for it from then on. Requests under a foreign name of this machine, or
-from the page of somebody else, are refused, since any page that a user visits may send them. The only files that can be
-had are those of the page.
+A browser needs the token or the ticket once; a cookie stands for it from then on. Requests under a foreign name of this
+machine, or from the page of somebody else, are refused, since any page that a user visits may send them. The only files
+that can be had are those of the page.
 """
 
 from __future__ import annotations
 
 import asyncio
-import hmac
 import ipaddress
 import json
 import logging
@@ -17,7 +16,6 @@ import os
 import socket
 import struct
 import tempfile
-import threading
 import urllib.parse
 from collections.abc import Callable
 from dataclasses import replace
@@ -30,6 +28,7 @@ from tornado.escape import json_encode
 import scrim
 
 from . import _luts, _messages
+from ._aside import Made, aside
 from ._door import Door, is_any
 from ._luts import Lut
 from ._opening import opened
@@ -54,8 +53,8 @@ class Server:
     load the page."""
 
     def __init__(self, opening: Callable[[], Opened], door: Door) -> None:
-        self._door = door
-        self.host, self.port, self.token = door.host, door.port, door.token
+        self.door = door
+        self.host, self.port = door.host, door.port
         self.browsers: set[_Socket] = set()
         self._opening = opening
         self._opened: Opened | None = None
@@ -66,7 +65,7 @@ class Server:
     async def run(self, ready: asyncio.Event | None = None) -> int:
         """Serves until `end`; gives the exit status. Raises scrim.Error where the scene is bad."""
         loop = asyncio.get_running_loop()
-        self._ended = asyncio.Event()
+        self._ended, self._opens = asyncio.Event(), asyncio.Lock()
 
         def later(seconds: float, call: object) -> None:
             try:
@@ -81,7 +80,7 @@ class Server:
             websocket_max_message_size=_MOST_MESSAGE, websocket_ping_interval=20, log_function=lambda handler: None,
         )  # fmt: skip
         http = tornado.httpserver.HTTPServer(app)
-        http.add_sockets([self._door.socket])
+        http.add_sockets([self.door.socket])
         telling = None
         try:
             if await self._open():
@@ -101,23 +100,20 @@ class Server:
             self.session = self._opened = None
         return self.status
 
+    def aside(self, work: Callable[[], Made]) -> asyncio.Future[Made]:
+        """What `work` gives, which is done in a thread."""
+        made = asyncio.get_running_loop().create_future()
+        aside(
+            work,
+            self._later,
+            lambda it: made.done() or made.set_result(it),
+            lambda problem: made.done() or made.set_exception(problem),
+        )
+        return made
+
     async def _open(self) -> bool:
         """Opens what is looked at, and greets the browsers that wait for it. False where `end` came first."""
-        loop = asyncio.get_running_loop()
-        made = loop.create_future()
-
-        def tell(give: Callable[[object], None], it: object) -> None:
-            self._later(0.0, lambda: made.done() or give(it))
-
-        def open_() -> None:
-            try:
-                scene = self._opening()
-            except BaseException as problem:  # noqa: BLE001
-                tell(made.set_exception, problem)
-            else:
-                tell(made.set_result, scene)
-
-        threading.Thread(target=open_, name="scrim-view-opening", daemon=True).start()
+        made = self.aside(self._opening)
         ended = asyncio.ensure_future(self._ended.wait())
         await asyncio.wait({made, ended}, return_when=asyncio.FIRST_COMPLETED)
         ended.cancel()
@@ -134,20 +130,25 @@ class Server:
     def _begin(self, opened: Opened, serial: int = 0) -> Session:
         return Session(opened, self.tell, self.show, self._later, serial)
 
-    def open(self, name: object, serial: int) -> None:
-        """Shows another file of the folder. Raises scrim.Error where that cannot be; the scene stays then."""
+    async def open(self, name: object, serial: int) -> None:
+        """Shows another file of the folder. Raises whatever is wrong with it; the scene stays then."""
         others = self.session.opened.others
-        try:
+
+        def begin() -> Session:
             if name not in others:
-                raise scrim.UsageError(f"there is no {name!r} among the files of the folder")
+                raise scrim.UsageError(f"there is no {_messages.shortened(name)} among the files of the folder")
             path = os.path.join(os.path.dirname(self._opened.input), name)
-            scene = replace(opened(path, ocio=self._opened.ocio), others=others)
-            before, self.session = self.session, self._begin(scene, serial)
-        except scrim.Error:
-            self.session.refuse(serial)
-            raise
-        before.close()
-        self.tell(self.session.state())
+            return self._begin(replace(opened(path, ocio=self._opened.ocio), others=others), serial)
+
+        async with self._opens:  # one after the other, so that the last one is shown
+            try:
+                new = await self.aside(begin)
+            except Exception:
+                self.session.refuse(serial)
+                raise
+            before, self.session = self.session, new
+            new.refuse(before.serial)  # what came in the meantime was for the scene that goes
+            await self.aside(before.close)
 
     def end(self, status: int = 0) -> None:
         """Ends `run`, from the loop's thread."""
@@ -185,9 +186,6 @@ class Server:
             return False
         origin = request.headers.get("Origin")
         return origin is None or urllib.parse.urlsplit(origin).netloc.lower() == request.host.lower()
-
-    def knows(self, given: str | None) -> bool:
-        return given is not None and hmac.compare_digest(given.encode(), self.token.encode())
 
 
 def _name_of(host: str) -> str:
@@ -232,8 +230,10 @@ class _Guarded(tornado.web.RequestHandler):
     def prepare(self) -> None:
         if not self.server.allows(self.request):
             raise tornado.web.HTTPError(403, reason="Foreign host or origin")
-        given = (self.path_kwargs.get("key"), self.get_cookie(self._cookie), self.get_argument("token", None))
-        if not any(self.server.knows(one) for one in given):
+        door = self.server.door
+        self.is_guest = door.knows(self.get_argument("token", None)) or door.takes(self.get_argument("ticket", None))
+        is_known = door.remembers(self.get_cookie(self._cookie)) or door.knows(self.path_kwargs.get("key"))
+        if not (self.is_guest or is_known):
             raise tornado.web.HTTPError(403, reason="The token is missing")
 
     def write_error(self, status_code: int, **more: object) -> None:
@@ -245,9 +245,10 @@ class _Page(_Guarded):
     def get(self, name: str, key: str | None = None) -> None:
         if name not in _FILES:
             raise tornado.web.HTTPError(404)
-        if self.get_argument("token", None) is not None:
-            # The address without it is what the history and the user's screen keep.
-            self.set_cookie(self._cookie, self.server.token, httponly=True, samesite="Strict")
+        if self.is_guest:
+            # The address without it is what the history and the user's screen keep. The cookie is sent with what the
+            # file of the invitation leads to, too, which a strict one would not be; `allows` keeps out other pages.
+            self.set_cookie(self._cookie, self.server.door.cookie, httponly=True, samesite="Lax")
             self.redirect("/" + name)
             return
         file, kind = _FILES[name]
@@ -259,17 +260,21 @@ class _Page(_Guarded):
 class _Exr(_Guarded):
     """The picture that the scene's file makes, once it is there."""
 
-    def get(self, key: str | None = None) -> None:
+    async def get(self, key: str | None = None) -> None:
         session = self.server.session
         frame = session.exact_frame() if session is not None else None
         if frame is None:
             raise tornado.web.HTTPError(409, reason="The picture is not finished")
-        with tempfile.TemporaryDirectory(prefix="scrim-view-") as folder:
-            path = frame.write(os.path.join(folder, "picture.exr"))
-            with open(path, "rb") as file:
-                self.set_header("Content-Type", "image/x-exr")
-                self.set_header("Content-Disposition", 'attachment; filename="picture.exr"')
-                self.finish(file.read())
+        data = await self.server.aside(lambda: _exr_of(frame))
+        self.set_header("Content-Type", "image/x-exr")
+        self.set_header("Content-Disposition", 'attachment; filename="picture.exr"')
+        self.finish(data)
+
+
+def _exr_of(frame: scrim.Frame) -> bytes:
+    with tempfile.TemporaryDirectory(prefix="scrim-view-") as folder:
+        with open(frame.write(os.path.join(folder, "picture.exr")), "rb") as file:
+            return file.read()
 
 
 class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
@@ -305,8 +310,8 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
             message = json.loads(text)
             if not isinstance(message, dict):
                 raise ValueError("a message is no object")
-        except ValueError as error:
-            self.tell(json_encode({"type": "error", "text": f"the page sent what is no message: {error}"}))
+        except (ValueError, RecursionError) as error:
+            self._fail(f"the page sent what is no message: {error}")
             return
         if message.get("type") == "have":
             self._waits = False
@@ -317,11 +322,19 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         elif self.server.session is not None:
             try:
                 if message.get("type") == "open":
-                    self.server.open(message.get("name"), _messages.whole(message.get("serial", 0)))
+                    opening = self.server.open(message.get("name"), _messages.whole(message.get("serial", 0)))
+                    asyncio.ensure_future(opening).add_done_callback(self._opened)
                 else:
                     self.server.session.handle(message)
-            except scrim.Error as error:
-                self.tell(json_encode({"type": "error", "text": str(error)}))
+            except Exception as error:  # noqa: BLE001  it would end the connection
+                self._fail(_messages.told(error))
+
+    def _opened(self, opening: asyncio.Future) -> None:
+        if not opening.cancelled() and (error := opening.exception()) is not None:
+            self._fail(_messages.told(error))
+
+    def _fail(self, text: str) -> None:
+        self.tell(json_encode({"type": "error", "text": text}))
 
     def tell(self, text: str | bytes, binary: bool = False) -> None:
         try:

@@ -14,11 +14,13 @@ from dataclasses import replace
 
 import scrim
 
+from .._bounds import Places
 from . import _code, _handles, _lights, _messages
+from ._aside import Made, aside
 from ._controls import Control, groups_of
-from ._document import Change, Document, name_of, rounded
+from ._document import Change, Document, name_of, path_of, rounded
 from ._luts import Lut, Tables
-from ._opened import Opened
+from ._opened import Opened, renamed_files
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
 from ._playback import Player
 from ._verified import verified
@@ -42,19 +44,21 @@ class Session:
         serial: int = 0,
     ) -> None:
         self.opened = replace(opened, loaded=None)  # it is the renderer's
-        self._tell, self._show, self._later = tell, show, later
+        self._tell, self._show = tell, show
+        self._later = lambda seconds, call: later(seconds, lambda: self._careful(call))
         self.document = Document(opened.text, opened.file)
         self._reader: scrim.Shot | None = None
         self.frame = opened.frame
-        self._viewpoint = Viewpoint()
+        self._viewpoint = Viewpoint(Places(self._beside, self._knows_more))
+        self._frames_all = False  # once it is known where volumes are
         self._muted: frozenset[str] = frozenset()
         self._serial = serial
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
         self._through: tuple | None = None  # a stage through another of its cameras, and that camera in the scene
         self._failed = ("", "")  # the scene that could not be rendered last, and why
-        self.player = Player(self, opened.frames, tell, later)
-        self._tables = Tables(lambda: self._show(), later)
+        self.player = Player(self, opened.frames, tell, self._later)
+        self._tables = Tables(lambda: self._show(), self._later)
         self._region: tuple[int, int, int, int] | None = None
         self.pictures: Pictures | None = None
         self.serial_shown = 0
@@ -75,10 +79,27 @@ class Session:
         self._renderer.stop()
         self._tables.close()
 
+    @property
+    def serial(self) -> int:
+        """Number of the last event."""
+        return self._serial
+
+    def _beside(self, work: Callable[[], Made], then: Callable[[Made], object]) -> None:
+        """Calls `then` with what `work` gives, which is done in a thread."""
+        aside(work, self._later, then, lambda problem: self._tell({"type": "error", "text": _messages.told(problem)}))
+
+    def _careful(self, call: Callable[[], object]) -> None:
+        """What the event loop would only log is shown to browsers."""
+        try:
+            call()
+        except Exception as error:  # noqa: BLE001
+            self._tell({"type": "error", "text": _messages.told(error)})
+
     # ---- what browsers ask for
 
     def handle(self, message: Mapping) -> None:
-        """Does what a browser asks for. Raises scrim.Error where that is impossible; nothing has changed then."""
+        """Does what a browser asks for. Raises scrim.Error where that is impossible, or whatever a message brings about
+        that nobody thought of; nothing has changed then."""
         kind = message.get("type")
         do = getattr(self, f"_on_{kind}", None) if isinstance(kind, str) and kind.isidentifier() else None
         if do is None:
@@ -87,7 +108,7 @@ class Session:
         self._message, self._verify = "", kind == "verify"
         try:
             do(message)
-        except scrim.Error:
+        except Exception:
             self.refuse(self._serial)
             raise
 
@@ -113,19 +134,34 @@ class Session:
         if to == "scene":
             self._viewpoint.free = None
         elif to == "frame":
-            self._viewpoint.frame_all()
+            self._viewpoint.ask_again()
+            self._frame_all()
         elif to == "keep":
             kept, free = self._viewpoint.kept(), self._viewpoint.free
             self._viewpoint.free = None
             try:
                 self._change(kept, message)
-            except scrim.Error:
+            except Exception:
                 self._viewpoint.free = free
                 raise
             return
         else:
             raise scrim.UsageError(f"the page asks for the view '{to}'; expected scene, frame or keep")
         self._update(moves=False)
+
+    def _frame_all(self) -> None:
+        self._frames_all = not self._viewpoint.frame_all()
+        if self._frames_all:
+            self._message = "reading where the volumes are"
+
+    def _knows_more(self) -> None:
+        """It is known where more of the volumes are."""
+        if self._frames_all:
+            self._message = ""
+            self._frame_all()
+            self._update(moves=False)
+        else:
+            self.send_state()  # handles of lights go with the point that the view turns about
 
     def _on_set(self, message: Mapping) -> None:
         control = self._control(message.get("id"))
@@ -160,7 +196,7 @@ class Session:
         muted, self._muted = self._muted, self._muted - {f"light.{name}"}
         try:
             self._change(_lights.removed(self.document.data, index), message)
-        except scrim.Error:
+        except Exception:
             self._muted = muted
             raise
 
@@ -197,15 +233,15 @@ class Session:
         self._through = (through, self.document.data["camera"])
 
     def _on_muted(self, message: Mapping) -> None:
-        names = message.get("names")
+        names = _messages.names(message.get("names"))
         known = {f"light.{name}" for name in self._wanted.shape.lights} | {"ambient", "emission"}
-        if not isinstance(names, list) or not set(names) <= known:
+        if not set(names) <= known:
             raise scrim.UsageError(f"the page mutes {names!r}; expected some of {', '.join(sorted(known))}")
         self._muted = frozenset(names)
         self._update(moves=False)
 
     def _on_frame(self, message: Mapping) -> None:
-        self._go_to(_messages.whole(message.get("number")))
+        self._go_to(_messages.frame(message.get("number")))
         self._update(moves=not message.get("done", True))
 
     def _on_play(self, message: Mapping) -> None:
@@ -224,7 +260,7 @@ class Session:
                 instead["camera"] = rounded(self._through[0].scene(number)["camera"])
             text = self.document.on_base(base, instead)
             self._read(text)
-        except scrim.Error:
+        except Exception:
             self.frame = before
             raise
         self.document.take_base(base, text)
@@ -251,7 +287,9 @@ class Session:
 
     @property
     def fps(self) -> float:
-        return max(float(self.document.data.get("output", {}).get("fps", 24.0)), 0.1)
+        output = self.document.data.get("output", {})
+        first = output[0] if isinstance(output, list) and output else output  # the further files of a list have none
+        return max(float(first.get("fps", 24.0)), 0.1) if first else 24.0
 
     def _look(self) -> tuple:
         """All that the picture of a frame depends on."""
@@ -282,15 +320,30 @@ class Session:
         name = _messages.file_name(message.get("name"))
         if not name and not self.document.file:
             raise scrim.UsageError("the scene has no file yet: save it under a name")
-        if name and self.opened.temporary:
-            changes = self.opened.with_files(self.document.data, name)
-            self._change(changes, {})
-        self.document.save(os.path.join(self.opened.folder, name) if name else "")
+        files = self.opened.temporary_files(self.document.data) if name else {}
+        if not files:
+            return self._save(name)
+        self.opened.check_new(name)
+        self._message = f"copying the files of {name}"
+        self._update(moves=False)
+        self._beside(lambda: self.opened.copied(files, name), lambda names: self._save(name, names))
+
+    def _save(self, name: str, names: Mapping[str, str] | None = None) -> None:
+        """`names`: of files that were copied for it, by what the scene calls them."""
+        try:
+            if names:
+                self._change(renamed_files(self.document.data, names), {})
+            self.document.save(os.path.join(self.opened.folder, name) if name else "")
+        except Exception:
+            if names:
+                self.opened.forget_copies(name)
+                self._move_in_history(self.document.undo, "")
+            raise
         self._message = f"saved {self.document.file}"
         self._update(moves=False)
 
     def _on_display(self, message: Mapping) -> None:
-        display, view = message.get("display"), message.get("view")
+        display, view = _messages.names([message.get("display"), message.get("view")])
         if view not in self.displays.get(display, ()):
             raise scrim.UsageError(f"there is no view {view!r} of a display {display!r}")
         self.display, self.view = display, view
@@ -406,7 +459,14 @@ class Session:
         except scrim.UsageError as error:
             return f"# {error}"
         frame = self.frame if self.opened.frames != [1] or self.frame != 1 else None
-        return self.opened.command(self.document.file, sets, self._viewpoint.overrides(), self._muted, frame)
+        over = self._viewpoint.overrides()
+        over |= {
+            f"{path_of('light', index, light)}.intensity": 0.0
+            for index, light in enumerate(self.document.data.get("light", []))
+            if f"light.{name_of('light', index, light)}" in self._muted
+        }
+        over |= {"ambient.color": [0.0, 0.0, 0.0]} if "ambient" in self._muted else {}
+        return self.opened.command(self.document.file, sets, over, frame)
 
     def lut(self) -> Lut:
         """The table of the chosen view."""
@@ -445,7 +505,9 @@ class Session:
 
         self._later(0.0, take)
 
-    def _lost(self, text: str, wanted: Wanted) -> None:
+    def _lost(self, error: Exception, wanted: Wanted) -> None:
+        text = _messages.told(error)
+
         def tell() -> None:
             self._failed = (wanted.text, text)
             self._tell({"type": "error", "text": text})

@@ -15,9 +15,11 @@ from ._document import Change
 
 
 class Viewpoint:
-    """`free`: the pose of the free view; None: the scene's camera. `read` comes before all else."""
+    """`free`: the pose of the free view; None: the scene's camera. `places`: where volumes are. `read` comes before all
+    else."""
 
-    def __init__(self) -> None:
+    def __init__(self, places: _bounds.Places) -> None:
+        self._places = places
         self.free: Pose | None = None
         self._camera: Mapping = {}
         self._resolved: Mapping = {}
@@ -25,6 +27,7 @@ class Viewpoint:
     def read(self, data: Mapping, resolved: Mapping) -> None:
         """Takes a scene, and what `Shot.resolved` says of it."""
         self._camera, self._resolved = data.get("camera", {}), resolved
+        self._places.of(resolved["volumes"])  # so that it is known by the time that it is needed
 
     @property
     def up(self) -> np.ndarray:
@@ -58,7 +61,7 @@ class Viewpoint:
         target = self._camera.get("target")
         if isinstance(target, list):
             distance = float((np.array(target, float) - eye) @ ahead)
-        elif box := _bounds.of(self._resolved["volumes"]):
+        elif box := self._places.of(self._resolved["volumes"]):
             distance = float((0.5 * (box[0] + box[1]) - eye) @ ahead)
         else:
             distance = float(np.linalg.norm(eye))
@@ -75,13 +78,24 @@ class Viewpoint:
         else:
             raise scrim.UsageError(f"the page asks for the movement '{mode}'; expected orbit, pan or dolly")
 
-    def frame_all(self) -> None:
-        box = _bounds.of(self._resolved["volumes"])
+    def ask_again(self) -> None:
+        """Forgets of which files it could not be known where they are."""
+        self._places.ask_again()
+
+    def frame_all(self) -> bool:
+        """Whether it is done: where volumes are may not be known yet."""
+        volumes = self._resolved["volumes"]
+        box = self._places.of(volumes)
+        if self._places.waits:
+            return False
         if box is None:
+            files = [volume["file"] for volume in volumes.values() if volume["file"]]
             raise scrim.UsageError(
+                f"'{files[0]}' does not say where its voxels are" if files else
                 "the volumes of this scene are not files, so their size is not known before a render"
             )
         self.free = self.pose.framed(*box)
+        return True
 
     def overrides(self) -> dict:
         """The free view as overrides of the scene's camera."""
