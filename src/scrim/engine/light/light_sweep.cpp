@@ -130,7 +130,7 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     const Light& light = m_scene.lights[plan.light];
     const Sheets& sheets = m_group.sheets;
     SheetLight out;
-    out.shadowed = plan.shadowed;
+    out.shadowed = !m_casters[i].channels.empty();
     out.output = m_group.outputs.ofLights[i];
     out.index = plan.light;
     out.withinSheet = !plan.view.distant || pathInSheets(plan.view) < kSteepestPath;

@@ -111,7 +111,8 @@ ExtinctionChannels extinctionChannels(const ViewScene& scene) {
                     fmt::format("the volumes have {} tints of extinction and cast shadows in {} sets "
                                 "of lights, which takes {} channels; expected at most {}",
                                 tints.size(), shadows.size(), channels.count(), ExtinctionChannels::kMost));
-    channels.coloured = channels.count() > 1 || tints.front() != Rgb(1) || !shadows.front().empty();
+    // A light passes through one white channel or past it: either way all colours are attenuated alike.
+    channels.coloured = channels.count() > 1 || tints.front() != Rgb(1);
     for (const ViewVolume& volume : scene.volumes) {
         const Rgb tint = tintOf(volume);
         std::vector<Real>& weights = channels.weights.emplace_back();
