@@ -298,20 +298,16 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
     if (wants(scene, Layer::light)) light.output = Output{Layer::light, lightOfLayer(scene, group.front())};
     light.ofVolume.resize(scene.volumes.size());
     const auto shown = [](const ViewVolume& volume) { return !volume.field->empty() && !volume.holdout; };
-    // Volumes that scatter fully are apart: skies reach them through the border of the solve.
-    std::vector<std::vector<int>> classes;
-    for (const bool full : {false, true})
-        for (std::vector<int>& volumes : alikeVolumes(
-                 scene, [&](const ViewVolume& volume) { return shown(volume) && scattersFully(volume) == full; }))
-            classes.push_back(std::move(volumes));
+    // Skies reach volumes that scatter fully through the border of the solve.
+    std::vector<std::vector<int>> classes = alikeVolumes(scene, [&](const auto& v) { return shown(v) && scattersFully(v); });
+    for (auto& own : alikeVolumes(scene, [&](const auto& v) { return shown(v) && !scattersFully(v); })) classes.push_back(own);
     for (const std::vector<int>& volumes : classes) {
         const ViewVolume& alike = scene.volumes[std::size_t(volumes.front())];
         const Phase& phase = alike.medium.phase;
         std::vector<int> lit;
-        for (const int i : group) {
-            const bool fromBorder = scattersFully(alike) && scene.lights[std::size_t(i)].dome();
-            if (litBy(alike.lights, std::size_t(i)) && !fromBorder) lit.push_back(i);
-        }
+        for (const int i : group)
+            if (litBy(alike.lights, std::size_t(i)) && !(scattersFully(alike) && scene.lights[std::size_t(i)].dome()))
+                lit.push_back(i);
         if (lit.empty()) continue;
         const Light& first = scene.lights[std::size_t(group.front())];
         const bool lamps = isLampOnCells(scene, first);
