@@ -298,9 +298,9 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
     if (wants(scene, Layer::light)) light.output = Output{Layer::light, lightOfLayer(scene, group.front())};
     light.ofVolume.resize(scene.volumes.size());
     const auto shown = [](const ViewVolume& volume) { return !volume.field->empty() && !volume.holdout; };
-    // Skies reach volumes that scatter fully through the border of the solve.
-    std::vector<std::vector<int>> classes = alikeVolumes(scene, [&](const auto& v) { return shown(v) && scattersFully(v); });
-    for (auto& own : alikeVolumes(scene, [&](const auto& v) { return shown(v) && !scattersFully(v); })) classes.push_back(own);
+    auto classes = alikeVolumes(scene, [&](const auto& v) { return shown(v) && scattersFully(v); });
+    const auto once = alikeVolumes(scene, [&](const auto& v) { return shown(v) && !scattersFully(v); });
+    classes.insert(classes.end(), once.begin(), once.end());
     for (const std::vector<int>& volumes : classes) {
         const ViewVolume& alike = scene.volumes[std::size_t(volumes.front())];
         const Phase& phase = alike.medium.phase;
