@@ -10,6 +10,8 @@
 #include <scrim/engine/transport/solver.h>
 #include <scrim/scene/view_scene.h>
 
+#include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -59,6 +61,8 @@ class FirstLight {
     const TransportSolver& m_solver;
     std::vector<std::pair<std::size_t, Light>> m_points;  // indices of lights in the scene, and points of them
     std::vector<std::vector<Real>> m_irradiance;          // [point][row], as the solve's media attenuate it
+    // Light that arrives near lamps, where m_irradiance has 0: [point] rows, its directions of travel, and irradiance.
+    std::vector<std::vector<std::tuple<std::int32_t, Vec3, Real>>> m_near;
     std::vector<std::vector<Real>> m_straight;
     std::vector<Real> m_onSides;  // of walls: the radiance that they send back
 };
