@@ -52,9 +52,12 @@ std::string promiseText(const std::string& preset, const PromisedDials& promised
             "{:<23} '{}' promises {:.2g} % of error in means over {} x {} pixels, and {:.2g} % are "
             "expected: {}\n",
             "", preset, 100 * s->promised, kScatteringMean, kScatteringMean, 100 * s->choice.expected, s->choice.why);
-    return fmt::format("{:<23} '{}' promises {:.2g} % of error; for it, and for every {}:\n{}{}", "preset", preset,
+    std::string beyond;
+    for (const auto& [expected, why] : promised.beyond)
+        beyond += fmt::format("{:<23} {:.2g} % are expected: {}\n", "", 100 * expected, why);
+    return fmt::format("{:<23} '{}' promises {:.2g} % of error; for it, and for every {}:\n{}{}{}", "preset", preset,
                        100 * promised.promised, ofMoments ? "render of this frame's motion blur" : "frame of the shot",
-                       renderBlock(dials), scattering);
+                       renderBlock(dials), beyond, scattering);
 }
 
 /// True if the cells or directions of multiply scattered light are to be chosen.
@@ -66,11 +69,15 @@ bool choosesScattering(const Scene& scene) {
 
 void warnOfPromise(const std::string& preset, const PromisedDials& chosen, const RenderOptions& options) {
     constexpr double kClearly = 1.05;
-    if (chosen.expected > kClearly * chosen.promised)
+    if (chosen.beyond.empty() && chosen.expected > kClearly * chosen.promised)
         notify(options.messages, Severity::warning,
                fmt::format("the preset '{}' promises an error of {:.2g} %, but the finest texels and sheets that it "
                            "may choose are expected to leave {:.2g} % in this scene",
                            preset, 100 * chosen.promised, 100 * chosen.expected));
+    for (const auto& [expected, why] : chosen.beyond)
+        notify(options.messages, Severity::warning,
+               fmt::format("the preset '{}' promises an error of {:.2g} %, but {:.2g} % are expected in this scene: {}",
+                           preset, 100 * chosen.promised, 100 * expected, why));
     if (const auto& s = chosen.scattering; s && s->choice.expected > kClearly * s->promised)
         notify(options.messages, Severity::warning,
                fmt::format("the preset '{}' promises an error of {:.2g} % in means over {} x {} pixels where light "

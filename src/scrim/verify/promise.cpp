@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 namespace scrim {
@@ -36,6 +37,24 @@ void boundSurfaces(Dials& dials) {
     constexpr double kCoarsest = 1;
     dials.texel = std::min(dials.texel, kCoarsest);
     dials.sheetThickness = std::min(dials.sheetThickness, kCoarsest);
+}
+
+// In voxels that are opaque, light turns from bright to dark within a texel. Measured in 732 pictures of
+// solid boxes, of balls with hard and soft rims and of smoke, 8 to 32 voxels wide and of 0.5 to 200 a voxel, with all
+// presets and the sun in front, aside and behind: texels and sheets left max(1, 0.6 depth^0.75) times what is expected
+// of thinner voxels, within a factor of 2 for four of five (a sun behind is darker, and leaves 3.5 times this). Of 452
+// that missed their promise, 315 were expected to by their dials alone, and 435 are with this; of the others, 19 more
+// are, which left 0.6 to 1 of it. Clouds and wisps have 0.05 to 0.6.
+void addThickness(const ViewScene& scene, PromisedDials& promised) {
+    constexpr double kThin = 2, kClearly = 1.05;
+    if (depthOfVoxel(scene) < kThin) return;
+    const double depth = visibleThickness(scene, kRays), factor = 0.6 * std::pow(depth, 0.75);
+    if (depth < kThin || factor * promised.expected <= kClearly * promised.promised) return;
+    // A solid box of 8^3 voxels with 100 a voxel: 11.6 %, and with resample = 2, 4 and 8 2.4, 1.2 and 0.4 %.
+    promised.beyond.push_back({factor * promised.expected,
+                               fmt::format("voxels of an optical depth of {:.2g} are seen, which change from bright to "
+                                           "dark within a texel; a larger resample in [[volume]] divides them",
+                                           depth)});
 }
 
 // The error that multiply scattered light may have. Of what texels and sheets leave, about half remains in the means
@@ -176,7 +195,10 @@ PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) 
     PromisedDials out = dialsFor(scene.dials, classified ? modelOfSurfaces(scene) : modelOfMedia(scene),
                                  promised < kFine ? kFineAim * promised : promised, finest);
     out.promised = promised;
-    if (classified) boundSurfaces(out.dials);
+    if (classified)
+        boundSurfaces(out.dials);
+    else
+        addThickness(scene, out);
     if (solidsBlock(scene)) resolveEdges(out, finest);
     if (const auto scattered = scatterPilot(scene)) {
         out.scattering.emplace().promised = promisedScatteringError(quality);

@@ -10,6 +10,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace scrim {
 
@@ -25,6 +26,12 @@ struct PromisedDials {
         ScatterChoice choice = {};
     };
     std::optional<Scattering> scattering = {};
+    /// An error that is expected beyond the promise for a reason that dials are not chosen for.
+    struct Beyond {
+        double expected = 0;  ///< relative RMSE
+        std::string why;      ///< "voxels of an optical depth of 20 are seen; ..."
+    };
+    std::vector<Beyond> beyond = {};
 };
 
 /// How obliquely eye rays and lights pass the sheets between them: the tangent of half the angle between an eye ray and

@@ -16,6 +16,7 @@
 #include <atomic>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -330,6 +331,29 @@ TEST_F(ShotTest, RendersGridsThatAreMadeInCode) {
     EXPECT_EQ(errorOf(ErrorKind::input, [&] { shot.render(scene); }),
               "volume 'fog' has no grid 'heat'; there is 'density'");
     EXPECT_EQ(shot.toml(), "");
+}
+
+TEST_F(ShotTest, WarnsOfThickVoxelsBeforeItRendersThem) {
+    FieldBuilder builder("density", Mat4(1.0));
+    builder.addBlock(Int3(0), std::vector<float>(kBlockVoxels, 100.0f).data());
+    OpenOptions opening;
+    opening.gridsFromCode = true;
+    Shot shot = Shot::parse(
+        "[camera]\nposition = [25, 20, 40]\ntarget = [4, 4, 4]\nfov = 20\nresolution = [32, 32]\n[[volume]]\n"
+        "name = 'box'\n[[light]]\ntype = 'distant'\ndirection = [-1, -0.3, -0.2]\n",
+        "mine", "", {}, opening);
+    shot.setVolume("box", {builder.finish()});
+    std::vector<std::string> heard;
+    RenderOptions options;
+    options.messages = [&](Severity severity, const std::string& text) {
+        if (severity == Severity::warning) heard.push_back(text);
+    };
+    const std::string table = shot.plan(1, options).table;
+    ASSERT_EQ(heard.size(), 1u);
+    const std::regex expected("the preset 'standard' promises an error of 1 %, but [0-9]+ % are expected in this "
+                              "scene: voxels of an optical depth of [0-9]+ are seen, .*");
+    EXPECT_TRUE(std::regex_match(heard[0], expected)) << heard[0];
+    EXPECT_NE(table.find("% are expected: voxels of an optical depth of"), std::string::npos) << table;
 }
 
 TEST_F(ShotTest, PlansWhatItRenders) {
