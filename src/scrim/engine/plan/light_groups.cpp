@@ -290,8 +290,8 @@ Cone coneToCorners(const Vec3& wsPoint, const std::vector<Vec3>& corners, std::v
 
 namespace {
 
-// Directions around a cone between which no ray of it passes, as between those of rimOfCone: rasters are laid over them,
-// and would lose up to 1.9 % of the cone's radius.
+// Directions around a cone between which no ray of it passes. Between those of rimOfCone, rasters that are laid over
+// them would lose up to 1.9 % of the cone's radius.
 std::vector<Vec3> aroundCone(const Vec3& axis, double angle) {
     const double touching = std::cos(std::numbers::pi / kPointsOfRim);
     return rimOfCone(axis, std::atan2(std::sin(angle), std::cos(angle) * touching));

@@ -281,11 +281,27 @@ TEST(LightRaster, HoldsTheConeOfASpotInTheVolume) {
         const Mat3 frame = frameAround(axis);
         for (int i = 0; i < 360; ++i) {
             const double turn = i * kPi / 180, angle = 29.99 * kPi / 180;
-            const Vec3 ts = group.sheets.tsVector(std::cos(angle) * axis + std::sin(angle) * (std::cos(turn) * frame[0] +
-                                                                                            std::sin(turn) * frame[1]));
+            const Vec3 across = std::cos(turn) * frame[0] + std::sin(turn) * frame[1];
+            const Vec3 ts = group.sheets.tsVector(std::cos(angle) * axis + std::sin(angle) * across);
             const double x = (ts.x / ts.z - view.first.x) / view.cell, y = (ts.y / ts.z - view.first.y) / view.cell;
             EXPECT_TRUE(x >= 1 && y >= 1 && x <= view.width - 2 && y <= view.height - 2) << i << ": " << x << ", " << y;
         }
+    }
+}
+
+// A raster of too many cells has fewer and larger ones, and says so.
+TEST(LightRaster, SaysWhereItsCellsAreLargerThanTheDial) {
+    for (const SplatMode splat : {SplatMode::shared, SplatMode::perView}) {
+        ViewScene scene = orthographicScene(boxField(Int3(-24), Int3(23)), {0.1, Rgb(0.9), {}}, 60, 16);
+        scene.lights = {distantLight({0, 0, -1}), distantLight({0, 0, -1})};
+        scene.lights[1].shadows = false;
+        scene.dials.splat = splat;
+        EXPECT_EQ(planAsTable(scene, makePlan(scene, 2)).find("larger than shadow_texel"), std::string::npos);
+        scene.dials.shadowTexel = 0.003;  // 49 / 0.003, kernels included, are twice 8,192
+        const std::string table = planAsTable(scene, makePlan(scene, 2));
+        EXPECT_NE(table.find("cells of their rasters are larger than shadow_texel says: 'light' 2 times"),
+                  std::string::npos)
+            << table;
     }
 }
 
