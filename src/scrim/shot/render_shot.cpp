@@ -3,6 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/base/timed.h>
+#include <scrim/engine/plan/effects.h>
 #include <scrim/engine/plan/report.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/model/sub_lights.h>
@@ -80,6 +81,14 @@ void warnOfBlurredSkies(const ViewScene& view, const Plan& plan, const MessageSi
     if (const std::string skies = blurredSkies(view, plan.transport); !skies.empty())
         notify(messages, Severity::warning,
                "light " + skies + "; replace such a spot by a distant light with an angle to keep its shadows sharp");
+}
+
+/// Warns of shadows that are less sharp than the dials say.
+void warnOfCoarserRasters(const ViewScene& view, const Plan& plan, const MessageSink& messages) {
+    if (const std::string lights = coarserRasters(view, plan); !lights.empty())
+        notify(messages, Severity::warning,
+               fmt::format("shadow rasters have a largest size, so their cells are larger than shadow_texel says: {}",
+                           lights));
 }
 
 /// Warns of lights that ask for cells and cannot have them.
@@ -161,6 +170,7 @@ Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
     keepPlan(view, plan);
     warnOfBlurredSkies(view, plan, m_options.messages);
     warnOfBuffers(view, plan, m_options.messages);
+    warnOfCoarserRasters(view, plan, m_options.messages);
     Frame frame = timed(seconds.render, [&] { return renderPlanned(view, plan, partOf(progress, 0, rendered)); });
     if (m_options.verify > 0) {
         SampleOptions sampling;

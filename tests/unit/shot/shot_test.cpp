@@ -16,6 +16,7 @@
 #include <atomic>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -330,6 +331,52 @@ TEST_F(ShotTest, RendersGridsThatAreMadeInCode) {
     EXPECT_EQ(errorOf(ErrorKind::input, [&] { shot.render(scene); }),
               "volume 'fog' has no grid 'heat'; there is 'density'");
     EXPECT_EQ(shot.toml(), "");
+}
+
+// The warnings of a pixel of a scene with some blocks of voxels, and its plan.
+std::vector<std::string> warningsOf(const std::vector<Int3>& blocks, float density, const std::string& more,
+                                    std::string& table) {
+    FieldBuilder builder("density", Mat4(1.0));
+    for (const Int3& at : blocks) builder.addBlock(at, std::vector<float>(kBlockVoxels, density).data());
+    OpenOptions opening;
+    opening.gridsFromCode = true;
+    Shot shot = Shot::parse(
+        "[camera]\nposition = [25, 20, 40]\ntarget = [4, 4, 4]\nfov = 20\nresolution = [32, 32]\n[[volume]]\n"
+        "name = 'box'\n[[light]]\nname = 'sun'\ntype = 'distant'\ndirection = [-1, -0.3, -0.2]\n" +
+            more,
+        "mine", "", {}, opening);
+    shot.setVolume("box", {builder.finish()});
+    std::vector<std::string> heard;
+    RenderOptions options;
+    options.messages = [&](Severity severity, const std::string& text) {
+        if (severity == Severity::warning) heard.push_back(text);
+    };
+    options.crop = PixelWindow{16, 16, 17, 17};
+    table = shot.plan(1, options).table;
+    shot.render(1, options);
+    return heard;
+}
+
+TEST_F(ShotTest, WarnsOfThickVoxelsBeforeItRendersThem) {
+    std::string table;
+    const std::vector<std::string> heard = warningsOf({Int3(0)}, 100, "", table);
+    ASSERT_EQ(heard.size(), 1u);
+    const std::regex expected("the preset 'standard' promises an error of 1 %, but [0-9]+ % are expected in this "
+                              "scene: voxels of an optical depth of [0-9]+ are seen, .*");
+    EXPECT_TRUE(std::regex_match(heard[0], expected)) << heard[0];
+    EXPECT_NE(table.find("% are expected: voxels of an optical depth of"), std::string::npos) << table;
+}
+
+TEST_F(ShotTest, WarnsOfShadowRastersThatAreCoarserThanTheirDial) {
+    std::string table;
+    const std::string dials = "[render]\ntexel = 0.05\nshadow_texel = 0.1\nsheet_thickness = 16\n";
+    const std::vector<std::string> heard = warningsOf({Int3(0), Int3(48)}, 0.1f, dials, table);
+    ASSERT_EQ(heard.size(), 1u);
+    const std::regex expected("shadow rasters have a largest size, so their cells are larger than shadow_texel says: "
+                              "'sun' [0-9.]+ times");
+    EXPECT_TRUE(std::regex_match(heard[0], expected)) << heard[0];
+    EXPECT_NE(table.find("cells of their rasters are larger than shadow_texel says: 'sun'"), std::string::npos)
+        << table;
 }
 
 TEST_F(ShotTest, PlansWhatItRenders) {

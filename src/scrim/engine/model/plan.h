@@ -205,6 +205,9 @@ struct PlannedLight {
     double share = 1;  ///< of the light's intensity; below 1 during a cross-fade between two sweeps
 
     bool shadowed = true;
+    /// The size of its raster's cells, relative to what the dial `shadow_texel` says: more than 1 where these would be
+    /// too many.
+    double coarser = 1;
     LightView view = {};
     std::vector<Vec3> ssWindows = {};  ///< wsWindows in sweep space, see SheetLight
     Lattice lattice = {};              ///< lattice of the sheets that it passes through: the shared one, or its own

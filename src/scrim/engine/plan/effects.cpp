@@ -90,6 +90,8 @@ Effect shadows(const ViewScene& scene, const Plan& plan) {
         if (effect.on) effect.reason += fmt::format("; not of {}: shadows = false", without.texts());
         effect.where = without.where();
     }
+    if (const std::string coarser = coarserRasters(scene, plan); !coarser.empty())
+        effect.reason += fmt::format("; cells of their rasters are larger than shadow_texel says: {}", coarser);
     return effect;
 }
 
@@ -357,6 +359,20 @@ Effect culledTiles(const Plan& plan) {
 }
 
 }  // namespace
+
+std::string coarserRasters(const ViewScene& scene, const Plan& plan) {
+    constexpr double kClearly = 1.05;
+    std::vector<double> most(scene.lights.size(), 1);
+    for (const GroupPlan& group : plan.groups)
+        for (const PlannedLight& light : group.lights) {
+            double& own = most[std::size_t(plan.subLights.ownerOf(light.light))];
+            if (light.shadowed) own = std::max(own, light.coarser);
+        }
+    Finder found(scene);
+    for (std::size_t i = 0; i < most.size(); ++i)
+        if (most[i] > kClearly) found.add(fmt::format("{} {:.2g} times", quoted(scene.lights[i].name), most[i]), "");
+    return found.texts();
+}
 
 std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     std::vector<Effect> effects{shadows(scene, plan), extendedLights(scene, plan), slides(scene, plan),

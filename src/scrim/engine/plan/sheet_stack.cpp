@@ -161,9 +161,16 @@ Box2<double> common(const Box2<double>& a, const Box2<double>& b) {
     return both;
 }
 
+// How many times as large as `cell` cells must be to be no more than kMostCells along a side of the extent.
+double coarserFor(const Box2<double>& extent, double cell) {
+    return std::max(1.0, std::max(extent.x1 - extent.x0, extent.y1 - extent.y0) / (kMostCells * cell));
+}
+
 // Lays cells over the extent, with a margin of two cells for look-ups between cells.
-void layCells(const Box2<double>& extent, LightView& view) {
-    view.cell = std::max({view.cell, (extent.x1 - extent.x0) / kMostCells, (extent.y1 - extent.y0) / kMostCells});
+void layCells(const Box2<double>& extent, PlannedLight& planned) {
+    LightView& view = planned.view;
+    planned.coarser = std::max(planned.coarser, coarserFor(extent, view.cell));
+    view.cell *= coarserFor(extent, view.cell);
     view.first = {(std::floor(extent.x0 / view.cell) - 2) * view.cell,
                   (std::floor(extent.y0 / view.cell) - 2) * view.cell};
     const auto cells = [&](double first, double last) {
@@ -196,8 +203,9 @@ Vec3 meanOf(const std::vector<Vec3>& directions) {
 // The lattice with cells of size `cell` around the extent, from the rows x, y and w, whose units `cell` and the extent
 // have.
 Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, const glm::dvec4& y,
-                  const glm::dvec4& w) {
-    cell = std::max({cell, (extent.x1 - extent.x0) / kMostCells, (extent.y1 - extent.y0) / kMostCells});
+                  const glm::dvec4& w, double& coarser) {
+    coarser = coarserFor(extent, cell);
+    cell *= coarser;
     const auto size = [&](double first, double last) {
         const int cells = static_cast<int>(std::ceil((last - first) / cell + 2 * kMargin));
         return roundUpToTile(cells);
@@ -228,7 +236,7 @@ Vec3 planeNormal(const ViewScene& scene, const Light& light, const Sheets& sheet
 
 // The lattice of a light's own sheets and shadow buffer.
 Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets,
-                     const PlannedLight& part) {
+                     PlannedLight& part) {
     const Light& light = scene.lights[part.light];
     const bool distant = light.distant();
     const Vec3 step(sheets.texel, sheets.texel, sheets.thickness);
@@ -250,7 +258,7 @@ Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, c
             const glm::dvec4 ts(sheets.tsPoint(corner), 1.0);
             extent.include(glm::dot(x, ts), glm::dot(y, ts));
         }
-        return layRaster(extent, scene.dials.shadowTexel * sheets.texel, x, y, w);
+        return layRaster(extent, scene.dials.shadowTexel * sheets.texel, x, y, w, part.coarser);
     }
 
     const Vec3 source = sheets.tsPoint(light.wsPosition);
@@ -272,8 +280,8 @@ Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, c
             extent.include(glm::dot(ex, d) / depth, glm::dot(ey, d) / depth);
         }
     }
-    Lattice raster =
-        layRaster(extent, scene.dials.shadowTexel * sheets.texel / std::max(farthest, sheets.thickness), x, y, w);
+    Lattice raster = layRaster(extent, scene.dials.shadowTexel * sheets.texel / std::max(farthest, sheets.thickness), x,
+                               y, w, part.coarser);
     raster.kind = Lattice::Kind::perspective;
     return raster;
 }
@@ -294,7 +302,8 @@ int guardTiles(const ViewScene& scene, const Camera& camera, const Sheets& sheet
 
 // Lays the raster of a distant light over the volumes' corners, or over the part of them that a slide lights.
 void layDistant(const ViewScene& scene, const Light& light, const std::vector<Vec3>& corners, const Sheets& sheets,
-                LightView& view) {
+                PlannedLight& planned) {
+    LightView& view = planned.view;
     Vec3 travel = sheets.tsVector(light.wsDirection);
     // A light may run within image-aligned sheets.
     travel.z = std::max(travel.z, 1e-3 * glm::length(travel));
@@ -311,18 +320,19 @@ void layDistant(const ViewScene& scene, const Light& light, const std::vector<Ve
     Box2<double> extent = covered(corners);
     if (light.slide && light.slide->outside == SlideOutside::black)
         extent = common(extent, covered(distantSlideCorners(light)));
-    layCells(extent, view);
+    layCells(extent, planned);
 }
 
-// Lays the raster of a light that shines from a point, in `wsDirections`.
+// Lays the raster of a light that shines from a point, in its directions.
 void layPoint(const ViewScene& scene, const Light& light, const std::vector<Vec3>& corners, const Sheets& sheets,
-              double slant, const std::vector<Vec3>& wsDirections, LightView& view) {
+              double slant, PlannedLight& planned) {
+    LightView& view = planned.view;
     // Rays from a point are identified by their slopes. The extent is that of the part's directions, or of the volume's
     // corners if that is smaller. No slope may exceed the sweep's slant.
     auto extent = Box2<double>::nothing();
     view.tsSource = sheets.tsPoint(light.wsPosition);
     const double steepest = std::tan(std::min(slant + 0.02, kSlantLimit)) / view.slopeScale;
-    for (const Vec3& ws : wsDirections) {
+    for (const Vec3& ws : planned.wsDirections) {
         const Vec3 ts = sheets.tsVector(ws);
         if (ts.z > 0) extent.include(ts.x / ts.z, ts.y / ts.z);
     }
@@ -342,7 +352,7 @@ void layPoint(const ViewScene& scene, const Light& light, const std::vector<Vec3
     if (extent.y1 < extent.y0) std::swap(extent.y0, extent.y1);
     // Cells are largest where the light has travelled furthest.
     view.cell = scene.dials.shadowTexel / farthest;
-    layCells(extent, view);
+    layCells(extent, planned);
 }
 
 }  // namespace
@@ -359,9 +369,9 @@ PlannedLight planLight(const ViewScene& scene, const std::vector<Vec3>& corners,
     view.distant = light.distant();
     view.slopeScale = sheets.texel / sheets.thickness;
     if (view.distant)
-        layDistant(scene, light, corners, sheets, view);
+        layDistant(scene, light, corners, sheets, planned);
     else
-        layPoint(scene, light, corners, sheets, slant, planned.wsDirections, view);
+        layPoint(scene, light, corners, sheets, slant, planned);
     return planned;
 }
 

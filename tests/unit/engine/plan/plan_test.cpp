@@ -264,6 +264,47 @@ TEST(Shading, IsAtPixelsWhereASlideIsFinerThanTwoTexels) {
     EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);
 }
 
+// The raster of a spot among the volumes is laid over its cone, round as it is: over directions on its rim, 15 of these
+// rays were up to 2.4 cells outside of a raster of 656 x 576.
+TEST(LightRaster, HoldsTheConeOfASpotInTheVolume) {
+    Light::Spot cone;
+    cone.coneAngle = 60;
+    cone.blend = 0;
+    ViewScene scene = orthographicScene(boxField(Int3(-24), Int3(23)), {0.1, Rgb(0.9), {}}, 106, 64);
+    scene.dials.texel = scene.dials.sheetThickness = 0.125;
+    scene.lights = {lamp({-21.6, 1.2, 0.7}, 1)};
+    scene.lights[0].kind = cone;
+    for (const double roll : {0.13, 0.02, 0.3}) {
+        const Vec3 axis = scene.lights[0].wsDirection = glm::normalize(Vec3(1, roll, -0.21));
+        const GroupPlan group = makePlan(scene, 2).groups.at(0);
+        const LightView& view = group.lights.at(0).view;
+        const Mat3 frame = frameAround(axis);
+        for (int i = 0; i < 360; ++i) {
+            const double turn = i * kPi / 180, angle = 29.99 * kPi / 180;
+            const Vec3 across = std::cos(turn) * frame[0] + std::sin(turn) * frame[1];
+            const Vec3 ts = group.sheets.tsVector(std::cos(angle) * axis + std::sin(angle) * across);
+            const double x = (ts.x / ts.z - view.first.x) / view.cell, y = (ts.y / ts.z - view.first.y) / view.cell;
+            EXPECT_TRUE(x >= 1 && y >= 1 && x <= view.width - 2 && y <= view.height - 2) << i << ": " << x << ", " << y;
+        }
+    }
+}
+
+// A raster of too many cells has fewer and larger ones, and says so.
+TEST(LightRaster, SaysWhereItsCellsAreLargerThanTheDial) {
+    for (const SplatMode splat : {SplatMode::shared, SplatMode::perView}) {
+        ViewScene scene = orthographicScene(boxField(Int3(-24), Int3(23)), {0.1, Rgb(0.9), {}}, 60, 16);
+        scene.lights = {distantLight({0, 0, -1}), distantLight({0, 0, -1})};
+        scene.lights[1].shadows = false;
+        scene.dials.splat = splat;
+        EXPECT_EQ(planAsTable(scene, makePlan(scene, 2)).find("larger than shadow_texel"), std::string::npos);
+        scene.dials.shadowTexel = 0.003;  // 49 / 0.003, kernels included, are twice 8,192
+        const std::string table = planAsTable(scene, makePlan(scene, 2));
+        EXPECT_NE(table.find("cells of their rasters are larger than shadow_texel says: 'light' 2 times"),
+                  std::string::npos)
+            << table;
+    }
+}
+
 TEST(LightRaster, OfASlideIsAsLargeAsItsBeam) {
     ViewScene scene = someScene();
     scene.lights = {distantSlide({0.1, 0.2, -1}, 5, quarters())};
