@@ -29,14 +29,6 @@ struct SpotEdges {
     double part(double cosine) const;
 };
 
-/// What is seen of a sun's disk or of a surface that shines from `ws` in a direction (unit); nothing beside it.
-struct SeenLight {
-    Rgb radiance{0};
-    double distance = std::numeric_limits<double>::infinity();
-};
-/// Not for domes and meshes. `light` must have its picture loaded.
-SeenLight seenLight(const Light& light, const Vec3& ws, const Vec3& toLight);
-
 class LightAt {
   public:
     /// `light` must outlive this object, must not be extended, and must have its slide and luminaire loaded.

@@ -296,14 +296,12 @@ std::vector<std::shared_ptr<const PhaseOverCaps>> capsOf(const ViewScene& scene,
                                                          const std::vector<std::string>& culled) {
     std::vector<std::shared_ptr<const PhaseOverCaps>> caps(scene.volumes.size());
     const Bounds box = wsBounds(scene);
-    // Points of surfaces serve lobes that are about as wide as what they stand for; directions of skies do not.
-    constexpr double kOfSurface = 0.4;
     double widest = 0, needed = 0;
     for (std::size_t i = 0; i < lights.parts.size(); ++i) {
         if (!(lights.parts[i] > 0) || !culled[i].empty()) continue;
         const double own = widestCap(lights.lights[i], lights.parts[i], box);
         widest = std::max(widest, own);
-        needed = std::max(needed, lights.lights[i].distant() ? own : kOfSurface * own);
+        needed = std::max(needed, lights.lights[i].distant() ? own : kCapsOfSurfaces * own);
     }
     for (std::size_t v = 0; v < caps.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];

@@ -37,6 +37,9 @@ struct CellRays {
     bool attenuated = true;                                      ///< false: only surfaces hold the light back
     bool blocked = false;                                        ///< surfaces hold the light back
     const Real* phaseRow = nullptr;  ///< in place of CellView's phase function (PhaseRow); null: that one
+    /// Of a part of a surface: its means in place of the phase function; null: that one.
+    const PhaseOverCaps* caps = nullptr;
+    double capRadius = 0;  ///< of the disk that the part stands for
     Real weight[3] = {0, 0, 0};
 };
 
@@ -93,6 +96,10 @@ class TowardsEye {
     /// The same by a row (PhaseRow) in place of the phase function.
     HWY_ATTR V8 in(const Real* row, V8 x, V8 y, V8 z, V8 i, double j, double k) const {
         return rowAt(D8(), row, entryOf(D8(), cosineAt(x, y, z, i, j, k)));
+    }
+    /// The mean over caps of these half angles.
+    HWY_ATTR V8 over(const PhaseOverCaps& caps, V8 halfAngle, V8 x, V8 y, V8 z, V8 i, double j, double k) const {
+        return capsAt(D8(), caps, halfAngle, cosineAt(x, y, z, i, j, k));
     }
 
   private:
@@ -329,7 +336,7 @@ class PointRaster {
         const V8 fy = value8(row - q), half = value8(0.5), ahead = value8(m_down ? -z : z),
                  perCell = value8(1 / (z * m_cell)), first = value8(-m_begin[0] / m_cell);
         const bool constant = towards.constantFor(false);
-        const Real* lobes = m_rays.phaseRow;
+        const PhaseOverCaps* caps = m_rays.caps;
         const V8 phase = value8(constant ? towards.constantAt({0, 0, 1}) : 0);
         for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
             const V8 center = hn::Add(counted(i), half), x = hn::Sub(center, value8(m_rays.from.x));
@@ -353,14 +360,17 @@ class PointRaster {
             }
             if (m_rays.decayScale > 0)
                 light = hn::Div(hn::Mul(light, value8(m_rays.decayScale)), hn::Max(r2, value8(m_rays.radius2)));
+            V8 seen = value8(m_rays.capRadius);
             if (m_rays.oneSided) {
-                const V8 facing = dot8(wx, wy, wz, m_rays.way);
-                light = hn::Mul(light, throughSpread(hn::Max(facing, hn::Zero(d))));
+                const V8 facing = hn::Max(dot8(wx, wy, wz, m_rays.way), hn::Zero(d));
+                light = hn::Mul(light, throughSpread(facing));
+                seen = hn::Mul(seen, hn::Sqrt(facing));
             }
             if (m_rays.pattern) light = hn::Mul(light, sentAlong(wx, wy, wz));
-            light = hn::Mul(light, constant ? phase
-                                   : lobes  ? towards.in(lobes, wx, wy, wz, center, j + 0.5, k + 0.5)
-                                            : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5));
+            light =
+                hn::Mul(light, constant ? phase
+                               : caps   ? towards.over(*caps, hn::Mul(seen, one), wx, wy, wz, center, j + 0.5, k + 0.5)
+                                        : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5));
             // Cells beyond the face belong to another one.
             light = hn::IfThenElseZero(hn::Lt(counted(i), value8(span.end)), light);
             addTo(box, view, m_rays, i, j, k, light);

@@ -5,7 +5,6 @@
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/transport/cell_media.h>
 #include <scrim/engine/transport/light_sources.h>
-#include <scrim/scene/light_at.h>
 
 #include <algorithm>
 #include <map>
@@ -101,7 +100,7 @@ struct Sources {
     std::vector<double> parts = {};  // SubLights::parts of each; empty: none stands for others
     std::vector<bool> ofSky = {};    // whether each is a direction of a dome
     std::vector<bool> ofMesh = {};   // or a part of a mesh
-    std::vector<int> wholes = {};    // indices of the lights that are seen as they are: all but meshes
+    std::vector<int> skies = {};     // indices of the domes
     Rgb tint{1};
     std::size_t colours = 1;  // 3 if the lights differ in colour
     bool lamp = false;        // points of a lamp, of which the transmittance alone is asked
@@ -151,7 +150,7 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
             out.ofMesh.push_back(isMesh(owner));
         }
     for (const int i : lights)
-        if (!isMesh(scene.lights[std::size_t(i)])) out.wholes.push_back(i);
+        if (scene.lights[std::size_t(i)].dome()) out.skies.push_back(i);
     if (out.lights.empty()) return out;
     out.tint = out.lights.front().intensity;
     for (const Light& light : out.lights)
@@ -160,17 +159,15 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     return out;
 }
 
-// The phase function for sources that are wider than its lobes, whose peaks rays see (addPeaks).
+// A phase function for sources that are wider than its lobes.
 struct WidePhase {
-    CutPhase cut;
-    bool skies, surfaces;  // what it serves
+    std::optional<CutPhase> ofSky;                     // whose peaks rays see (addPeaks); none: skies do not need it
+    std::shared_ptr<const PhaseOverCaps> ofSurface{};  // for suns and surfaces but meshes; null: they do not need it
 };
 
-// Nothing: no source is that wide. A sky is smooth: a few rays see what a peak shows of it. A surface and a sun have
-// edges, which only a peak that is narrower than what a sub-light stands for shows as a few rays do: with one of 0.4
-// radians, a disk of nine points was 25 to 47 % off, and 1 % without.
-std::optional<WidePhase> widePhase(const ViewScene& scene, const Sources& sources, const Phase& phase) {
-    constexpr double kOfSurface = 0.5;
+// A sky is smooth: a few rays see what a peak shows of it. A surface has edges, which the peak blurs, and so do means
+// over what its points stand for.
+WidePhase widePhase(const ViewScene& scene, const Sources& sources, const Phase& phase) {
     const Bounds box = wsBounds(scene);
     double sky = 0, surface = 0;
     for (std::size_t i = 0; i < sources.parts.size(); ++i) {
@@ -178,11 +175,12 @@ std::optional<WidePhase> widePhase(const ViewScene& scene, const Sources& source
         double& widest = sources.ofSky[i] ? sky : surface;
         widest = std::max(widest, widestCap(sources.lights[i], sources.parts[i], box));
     }
-    const bool skies = needsCaps(phase, sky), surfaces = lobeWidth(phase) < kOfSurface * surface;
-    if (!skies && !surfaces) return std::nullopt;
-    const double widest = std::max(skies ? sky : 0, surfaces ? surface : 0);
+    WidePhase wide;
     // The edge of a square as large as the cap.
-    return WidePhase{CutPhase(phase, std::sqrt(std::numbers::pi) * widest), skies, surfaces};
+    if (needsCaps(phase, sky)) wide.ofSky.emplace(phase, std::sqrt(std::numbers::pi) * sky);
+    if (needsCaps(phase, kCapsOfSurfaces * surface))
+        wide.ofSurface = std::make_shared<const PhaseOverCaps>(phase, surface);
+    return wide;
 }
 
 // One pass of some sources of light through the cells, for one or all colours.
@@ -193,7 +191,7 @@ class Pass {
 
     // `colour`: the only one that the slices' extinction is for; -1: all.
     // `lamp`: what the sources stand for, if it is a lamp. `far`: what it shares with other lamps, if it does.
-    void add(const Sources& sources, const Phase& phase, const WidePhase* wide, const Light* lamp, int colour,
+    void add(const Sources& sources, const Phase& phase, const WidePhase& wide, const Light* lamp, int colour,
              CellSlices& slices, CellField& field, CellField* far = nullptr) const {
         const std::size_t colours = colour < 0 ? field.colours() : 1;
         CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours, {}};
@@ -223,14 +221,21 @@ class Pass {
 
   private:
     // Adds the light of `count` sources from `first` on to the sums of the slices.
-    void sweep(const Sources& sources, const WidePhase* wide, std::size_t first, std::size_t count, int colour,
+    void sweep(const Sources& sources, const WidePhase& wide, std::size_t first, std::size_t count, int colour,
                const CellView& view, CellSlices& slices) const {
         std::vector<CellRays> suns[2], points;  // suns: those that go up, and those that go down
+        PhaseRow ofDisk;                        // of one light, whose parts are equal
         for (std::size_t i = first; i < first + count; ++i) {
             const Light& light = sources.lights[i];
             CellRays rays = raysOf(sources, light, slices);
-            if (wide && !sources.ofMesh[i] && (sources.ofSky[i] ? wide->skies : wide->surfaces))
-                rays.phaseRow = wide->cut.row.data();
+            const bool ofSky = !sources.lamp && sources.ofSky[i];
+            if (ofSky && wide.ofSky) rays.phaseRow = wide.ofSky->row.data();
+            if (!ofSky && wide.ofSurface && !sources.ofMesh[i]) {
+                if (rays.parallel && ofDisk.empty()) ofDisk = wide.ofSurface->row(capOf(sources.parts[i]));
+                rays.phaseRow = rays.parallel ? ofDisk.data() : nullptr;
+                rays.caps = rays.parallel ? nullptr : wide.ofSurface.get();
+                rays.capRadius = std::sqrt(sources.parts[i] / std::numbers::pi) / m_grid.edge();
+            }
             // Relative to the tint where there is one value for all colours.
             for (int c = 0; c < static_cast<int>(view.colours); ++c)
                 rays.weight[c] = static_cast<Real>(sources.colours == 3 ? light.intensity[colour < 0 ? c : colour]
@@ -295,7 +300,7 @@ struct Job {
     std::shared_ptr<CellField> far = nullptr;   // of a lamp: what it shares with others; null: it is alone
     std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
     std::size_t media = 0;                      // index of what holds the light back (addMedia)
-    std::optional<WidePhase> wide = {};         // of `phase`
+    WidePhase wide = {};                        // of `phase`
 };
 
 // Lights share a field unless layers, or the volumes that cast shadows in them, tell them apart. Lamps share one with
@@ -367,7 +372,7 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
             if (sources.colours == 3) sources.tint = Rgb(1);
             field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
             if (lamps) field->setLamp(first, phase, scene.camera, sources.attenuated, false);
-            std::optional<WidePhase> wide;
+            WidePhase wide;
             if (!lamps) wide = widePhase(scene, sources, phase);
             jobs.push_back({lit.front(), std::move(sources), phase, field, lamps ? &first : nullptr});
             jobs.back().wide = std::move(wide);
@@ -378,10 +383,10 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
 }
 
 // Adds the light in the peaks of a phase function that were cut off for the sources. It comes from where the eye looks,
-// or from behind it, and rays find it in the lights as they are, with their edges.
+// or from behind it, and rays find it in the skies.
 void addPeaks(const ViewScene& scene, const Job& job, const CellMedia& media, const std::function<void()>& checkpoint) {
-    if (!job.wide) return;
-    const CutPhase& cut = job.wide->cut;
+    if (!job.wide.ofSky) return;
+    const CutPhase& cut = *job.wide.ofSky;
     checkpoint();
     // Rays take their time: in larger cells where there are many, between which their light is interpolated.
     constexpr std::size_t kMostCells = 60'000;
@@ -393,18 +398,15 @@ void addPeaks(const ViewScene& scene, const Job& job, const CellMedia& media, co
         larger = std::move(next);
         through = &larger;
     }
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const auto along = [&](const Vec3& ws, const Vec3& way) {
         Rgb sum(0);
-        for (const int i : job.sources.wholes) {
-            const Light& light = scene.lights[std::size_t(i)];
-            if (!(light.dome() ? job.wide->skies : job.wide->surfaces)) continue;
-            const SeenLight seen = light.dome() ? SeenLight{skyAt(light, way)} : seenLight(light, ws, way);
-            if (seen.radiance == Rgb(0)) continue;
-            if (job.sources.blocked &&
-                scene.solids->firstHit(SolidRole::shadow, ws, way, 0, seen.distance) < seen.distance)
+        for (const int i : job.sources.skies) {
+            const Rgb radiance = skyAt(scene.lights[std::size_t(i)], way);
+            if (radiance == Rgb(0)) continue;
+            if (job.sources.blocked && scene.solids->firstHit(SolidRole::shadow, ws, way, 0, kInfinity) < kInfinity)
                 continue;
-            sum += job.sources.attenuated ? seen.radiance * glm::exp(-depthAlong(*through, ws, way, seen.distance))
-                                          : seen.radiance;
+            sum += job.sources.attenuated ? radiance * glm::exp(-depthAlong(*through, ws, way, kInfinity)) : radiance;
         }
         return sum;
     };
@@ -488,7 +490,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             m == 0 ? slices.fill(media[m].extinction[c], reach) : slices.refill(media[m].extinction[c]);
             for (const Job& job : jobs)
                 if (job.media == m)
-                    pass.add(job.sources, job.lamp ? Phase() : job.phase, job.wide ? &*job.wide : nullptr, job.lamp,
+                    pass.add(job.sources, job.lamp ? Phase() : job.phase, job.wide, job.lamp,
                              grey ? -1 : static_cast<int>(c), slices, *job.field, job.far.get());
         }
         for (const Job& job : jobs) {
@@ -497,7 +499,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             Sources open = sourcesOfLamp(*job.lamp, kForEdges * static_cast<int>(job.sources.lights.size()));
             open.attenuated = false;
             open.blocked = true;
-            pass.add(open, Phase(), nullptr, nullptr, -1, slices, *job.open);
+            pass.add(open, Phase(), {}, nullptr, -1, slices, *job.open);
         }
         most = std::max(most, slices.bytes());
     }
