@@ -13,8 +13,7 @@ import numpy as np
 from gpu_extras.presets import draw_texture_2d
 from mathutils import Matrix
 
-from . import colour, exr, export, motion
-from .program_path import program_path
+from . import colour, exr, export, motion, scene_file
 from .scrim_kit import Failure, frames, program
 
 PIXELS = 0.5  # of the region's, along each side
@@ -75,20 +74,18 @@ class Preview:
             self.fail(f"{type(error).__name__}: {error}")
 
     def begin(self, context, depsgraph):
-        from . import engine
-
-        scrim = program_path(engine.preference())
+        scrim = scene_file.preferred_program()
         self.number += 1
         folder = os.path.join(self.folder, str(self.number))
         os.mkdir(folder)
         # What is not mapped is said by renders; here it would be said at every turn of the view.
         moves = motion.Moves(motion.matrices(depsgraph, Matrix()), export.FRAME)
-        exporter = engine.exporter_of(folder, depsgraph, lambda text: None)
+        exporter = scene_file.exporter_of(folder, depsgraph, lambda text: None)
         content = exporter.scene_of_view(depsgraph, viewport_camera(context), moves)
         content["output"] = {"type": "float", "compression": "none"}
         self.picture = os.path.join(folder, "picture.exr")
-        arguments = [scrim, "render", engine.write_scene(folder, content), "-o", frames.pattern_of(self.picture), "-q"]
-        arguments += ["--quality", "draft", "--ocio", colour.config_file(bpy, folder)]
+        arguments = [scrim, "render", scene_file.write_scene(folder, content), "-o", frames.pattern_of(self.picture)]
+        arguments += ["-q", "--quality", "draft", "--ocio", colour.config_file(bpy, folder)]
         self.process = program.Background(arguments, os.path.join(folder, "told"))
         self.say("...")
         if not self.polled:
