@@ -3,10 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from ._controls import Maker
+from ._control_maker import Maker
 
 
 def add(make: Maker) -> bool:
