@@ -8,18 +8,13 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from .. import _grids, _scrim, _toml
+from .. import _grids, _scrim, _toml, _viewing
 from .._errors import UsageError
 from .._volumes import Volumes
-from ..view import needs
 from . import _camera, _own, _reading
 from ._scene import FrameScene, scene_at
-
-
-if TYPE_CHECKING:
-    from ..view._notebook import View
 
 
 class Shot:
@@ -181,14 +176,10 @@ class Shot:
         """Accuracy against time at a frame: see `scrim.Shot.study`."""
         return self.opened(frame).study(frame, folder, budget=budget, threads=threads, progress=progress)
 
-    def view(self, frame: int | None = None, *, height: int = 640) -> View:
+    def view(self, frame: int | None = None, *, height: int = 640) -> _viewing.View:
         """Shows a frame in a notebook: see `scrim.Shot.view`. Its cameras can be chosen there."""
-        needs()
-        from ..view._notebook import View
-        from ..view._opening import of_stage
-
         number = self.frames[0] if frame is None else frame
-        return View(of_stage(self, number, self._given["ocio"], self._grids), height)
+        return _viewing.shown_stage(self, number, self._given["ocio"], self._grids, height)
 
     def resolved(self, frame: int = 1) -> dict[str, Any]:
         """The scene of a frame in plain numbers: see `scrim.Shot.resolved`."""

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING
 from .._errors import UsageError
 
 if TYPE_CHECKING:
+    from .. import usd
     from .._scrim import Shot
     from ._notebook import View
 
-__all__ = ["needs", "shown"]
+__all__ = ["needs", "shown", "shown_stage"]
 
 _KITS = ("tornado", "tomlkit")
 
@@ -51,3 +52,12 @@ def shown(
     from ._notebook import View, opened_of
 
     return View(opened_of(shot, frame, folder, volumes), height)
+
+
+def shown_stage(shot: usd.Shot, frame: int, ocio: str, grids: Mapping[str, object], height: int) -> View:
+    """Shows a stage in a notebook, from this frame on: `scrim.usd.Shot.view`."""
+    needs()
+    from ._notebook import View
+    from ._opening import of_stage
+
+    return View(of_stage(shot, frame, ocio, grids), height)

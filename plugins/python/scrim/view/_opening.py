@@ -6,14 +6,10 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-import scrim
-
+from .. import _scrim, usd
+from .._errors import Error, InputError, UsageError
 from ._opened import Opened
-
-if TYPE_CHECKING:
-    import scrim.usd
 
 _STAGES = (".usd", ".usda", ".usdc", ".usdz")
 _ASSETS = (".vdb", ".nrrd", ".nhdr", ".nii", ".gz")  # .nii.gz
@@ -24,11 +20,11 @@ def listed(folder: str) -> list[str]:
     try:
         names = sorted(entry.name for entry in os.scandir(folder) if entry.is_file())
     except OSError as error:
-        raise scrim.InputError(f"{folder}: {error.strerror}") from error
+        raise InputError(f"{folder}: {error.strerror}") from error
     kinds = ((".toml",), _STAGES, _ASSETS)
     found = [name for kind in kinds for name in names if os.path.splitext(name)[1].lower() in kind]
     if not found:
-        raise scrim.InputError(f"{folder}: there is nothing to show; expected .toml, .usd, .vdb, .nrrd or .nii")
+        raise InputError(f"{folder}: there is nothing to show; expected .toml, .usd, .vdb, .nrrd or .nii")
     return found
 
 
@@ -59,13 +55,13 @@ def opened(
     options = ["--ocio", ocio] if ocio else []
     if os.path.splitext(path)[1].lower() in _STAGES:
         return _stage(path, frame, ocio)
-    shot = scrim.open(path, ocio=ocio, up=up, resolution=resolution, checked_frame=frame or 1)
+    shot = _scrim.open(path, ocio=ocio, up=up, resolution=resolution, checked_frame=frame or 1)
     frames = shot.frames
     number = frame if frame is not None else frames[0]
     if shot.is_asset:
         return Opened(shot.toml(), "", folder, path, frames, number, ocio, options, loaded=shot)
     if up or resolution:
-        raise scrim.UsageError(f"{path}: --up and --res are for assets; this scene says both itself")
+        raise UsageError(f"{path}: --up and --res are for assets; this scene says both itself")
     with open(path, encoding="utf-8", newline="") as file:
         text = file.read()
     return Opened(text, path, folder, path, frames, number, ocio, options)
@@ -73,16 +69,16 @@ def opened(
 
 def _first_of(folder: str, names: list[str], frame: int | None, ocio: str) -> Opened:
     """The first file that opens, since one bad file shall not hide the others."""
-    problem: scrim.Error | None = None
+    problem: Error | None = None
     for name in names:
         try:
             return replace(opened(os.path.join(folder, name), frame=frame, ocio=ocio), others=names)
-        except scrim.Error as error:
+        except Error as error:
             problem = problem or error
     raise problem
 
 
-def of_stage(shot: scrim.usd.Shot, frame: int, ocio: str = "", grids: Mapping[str, object] | None = None) -> Opened:
+def of_stage(shot: usd.Shot, frame: int, ocio: str = "", grids: Mapping[str, object] | None = None) -> Opened:
     """A stage from this frame on, with the overrides of the shot."""
     text, frames = shot.toml(frame), sorted({*shot.frames, frame})
     # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
@@ -94,7 +90,5 @@ def of_stage(shot: scrim.usd.Shot, frame: int, ocio: str = "", grids: Mapping[st
 
 
 def _stage(path: str, frame: int | None, ocio: str) -> Opened:
-    import scrim.usd
-
-    shot = scrim.usd.open(path, ocio=ocio)
+    shot = usd.open(path, ocio=ocio)
     return of_stage(shot, shot.frames[0] if frame is None else frame, ocio)

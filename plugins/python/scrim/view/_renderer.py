@@ -12,8 +12,8 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-import scrim
-
+from .. import _scrim
+from .._errors import Cancelled
 from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, own_layers, pictures_of, with_region
 
 # Dials while things move: coarse, in time that depends little on the volume. They replace the search of the dials that
@@ -144,7 +144,7 @@ class Renderer:
         shown: Callable[[Pictures, Wanted, Task], object],
         failed: Callable[[Exception, Wanted], object],
         grids: Mapping[str, object] | None = None,
-        loaded: scrim.Shot | None = None,
+        loaded: _scrim.Shot | None = None,
     ) -> None:
         self._given = {"folder": folder, "name": name, "ocio": ocio}
         self._shown, self._failed, self._grids = shown, failed, grids or {}
@@ -157,7 +157,7 @@ class Renderer:
         self._is_slow = False
         self._stopped = False
         self._changed = threading.Condition()
-        self._job: scrim.Job | None = None
+        self._job: _scrim.Job | None = None
         self._thread = threading.Thread(target=self._run, name="scrim-view-renderer", daemon=True)
         self._thread.start()
 
@@ -211,7 +211,7 @@ class Renderer:
             try:
                 if (task := self._next()) is not None:
                     self._render(self._tried, task)
-            except scrim.Cancelled:
+            except Cancelled:
                 pass
             except Exception as error:  # noqa: BLE001  whatever it is, users see it, and the next change is rendered
                 self._bad = self._tried
@@ -254,7 +254,7 @@ class Renderer:
     def _render(self, wanted: Wanted, task: Task) -> None:
         over, size = self._overrides(wanted, task)
         started = time.monotonic()
-        shot = scrim.loads(
+        shot = _scrim.loads(
             wanted.text, over, resolution=size, sharing=self._shot, checked_frame=wanted.frame, **self._given
         )
         for name, grids in self._grids.items():

@@ -25,15 +25,15 @@ import tornado.web
 import tornado.websocket
 from tornado.escape import json_encode
 
-import scrim
-
+from .. import _scrim
+from .._errors import UsageError
 from . import _luts, _messages
 from ._aside import Made, aside
 from ._door import Door, is_any
 from ._luts import Lut
+from ._opened import Opened
 from ._opening import opened
 from ._pictures import Texture
-from ._opened import Opened
 from ._session import Session
 
 _PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
@@ -136,7 +136,7 @@ class Server:
 
         def begin() -> Session:
             if name not in others:
-                raise scrim.UsageError(f"there is no {_messages.shortened(name)} among the files of the folder")
+                raise UsageError(f"there is no {_messages.shortened(name)} among the files of the folder")
             path = os.path.join(os.path.dirname(self._opened.input), name)
             return self._begin(replace(opened(path, ocio=self._opened.ocio), others=others), serial)
 
@@ -271,7 +271,7 @@ class _Exr(_Guarded):
         self.finish(data)
 
 
-def _exr_of(frame: scrim.Frame) -> bytes:
+def _exr_of(frame: _scrim.Frame) -> bytes:
     with tempfile.TemporaryDirectory(prefix="scrim-view-") as folder:
         with open(frame.write(os.path.join(folder, "picture.exr")), "rb") as file:
             return file.read()

@@ -11,10 +11,9 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-
-import scrim
-
+from .. import _scrim
 from .._bounds import Places
+from .._errors import UsageError
 from . import _code, _handles, _lights, _messages
 from ._aside import Made, aside
 from ._controls import Control, groups_of
@@ -23,8 +22,8 @@ from ._luts import Lut, Tables
 from ._opened import Opened, renamed_files
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
 from ._playback import Player
-from ._verified import verified
 from ._renderer import Renderer, Task, Wanted, is_exact
+from ._verified import verified
 from ._viewpoint import Viewpoint
 
 _STILL = 0.25  # seconds without an event after which a held mouse counts as resting
@@ -47,7 +46,7 @@ class Session:
         self._tell, self._show = tell, show
         self._later = lambda seconds, call: later(seconds, lambda: self._careful(call))
         self.document = Document(opened.text, opened.file)
-        self._reader: scrim.Shot | None = None
+        self._reader: _scrim.Shot | None = None
         self.frame = opened.frame
         self._viewpoint = Viewpoint(Places(self._beside, self._knows_more))
         self._frames_all = False  # once it is known where volumes are
@@ -103,7 +102,7 @@ class Session:
         kind = message.get("type")
         do = getattr(self, f"_on_{kind}", None) if isinstance(kind, str) and kind.isidentifier() else None
         if do is None:
-            raise scrim.UsageError(f"the page asks for '{kind}', which this viewer does not know")
+            raise UsageError(f"the page asks for '{kind}', which this viewer does not know")
         self._serial = max(self._serial, _messages.whole(message.get("serial", 0)))
         self._message, self._verify = "", kind == "verify"
         try:
@@ -146,7 +145,7 @@ class Session:
                 raise
             return
         else:
-            raise scrim.UsageError(f"the page asks for the view '{to}'; expected scene, frame or keep")
+            raise UsageError(f"the page asks for the view '{to}'; expected scene, frame or keep")
         self._update(moves=False)
 
     def _frame_all(self) -> None:
@@ -167,7 +166,7 @@ class Session:
         control = self._control(message.get("id"))
         value = message.get("value")
         if not control.accepts(value):
-            raise scrim.UsageError(f"{control.id}: the page gives {value!r}; expected a {control.kind}")
+            raise UsageError(f"{control.id}: the page gives {value!r}; expected a {control.kind}")
         self._change(control.changes(value), message)
 
     def _change(self, changes: Iterable[Change], message: Mapping) -> None:
@@ -192,7 +191,7 @@ class Session:
         name, lights = message.get("light"), self.document.data.get("light", [])
         index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
         if index is None:
-            raise scrim.UsageError(f"the scene has no light {name!r}")
+            raise UsageError(f"the scene has no light {name!r}")
         muted, self._muted = self._muted, self._muted - {f"light.{name}"}
         try:
             self._change(_lights.removed(self.document.data, index), message)
@@ -205,17 +204,17 @@ class Session:
         index, x, y = self._light(message)
         depth = self.pictures.depth if self.pictures else None
         if depth is None:
-            raise scrim.UsageError("where things are is known once the picture is finished: wait for it")
+            raise UsageError("where things are is known once the picture is finished: wait for it")
         changes = _handles.highlit(self.document.data, index, self._seen_from(), depth.mean, x, y)
         if changes is None:
-            raise scrim.UsageError("there is nothing to light at this place")
+            raise UsageError("there is nothing to light at this place")
         self._change(changes, message)
 
     def _light(self, message: Mapping) -> tuple[int, float, float]:
         name, lights = message.get("light"), self.document.data.get("light", [])
         index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
         if index is None or not _handles.has_handle(lights[index]):
-            raise scrim.UsageError(f"the scene has no light {name!r} that can be placed in the picture")
+            raise UsageError(f"the scene has no light {name!r} that can be placed in the picture")
         return index, _messages.number(message.get("x")), _messages.number(message.get("y"))
 
     def _seen_from(self) -> _handles.View:
@@ -225,7 +224,7 @@ class Session:
         """Looks through another camera of the stage."""
         name = message.get("name")
         if name not in self.opened.cameras:
-            raise scrim.UsageError(f"the stage has no camera {name!r}")
+            raise UsageError(f"the stage has no camera {name!r}")
         through = self.opened.keeps.through(name)
         camera = through.scene(self.frame)["camera"]
         self._viewpoint.free = None
@@ -236,7 +235,7 @@ class Session:
         names = _messages.names(message.get("names"))
         known = {f"light.{name}" for name in self._wanted.shape.lights} | {"ambient", "emission"}
         if not set(names) <= known:
-            raise scrim.UsageError(f"the page mutes {names!r}; expected some of {', '.join(sorted(known))}")
+            raise UsageError(f"the page mutes {names!r}; expected some of {', '.join(sorted(known))}")
         self._muted = frozenset(names)
         self._update(moves=False)
 
@@ -319,7 +318,7 @@ class Session:
     def _on_save(self, message: Mapping) -> None:
         name = _messages.file_name(message.get("name"))
         if not name and not self.document.file:
-            raise scrim.UsageError("the scene has no file yet: save it under a name")
+            raise UsageError("the scene has no file yet: save it under a name")
         files = self.opened.temporary_files(self.document.data) if name else {}
         if not files:
             return self._save(name)
@@ -345,7 +344,7 @@ class Session:
     def _on_display(self, message: Mapping) -> None:
         display, view = _messages.names([message.get("display"), message.get("view")])
         if view not in self.displays.get(display, ()):
-            raise scrim.UsageError(f"there is no view {view!r} of a display {display!r}")
+            raise UsageError(f"there is no view {view!r} of a display {display!r}")
         self.display, self.view = display, view
         self._show()
         self._update(moves=False)
@@ -354,7 +353,7 @@ class Session:
 
     def _read(self, text: str) -> None:
         """Reads a scene with the engine, which says what is wrong with it."""
-        reader = scrim.loads(
+        reader = _scrim.loads(
             text, folder=self.opened.folder, name=self._name, ocio=self.opened.ocio,
             sharing=self._reader, checked_frame=self.frame,
         )  # fmt: skip
@@ -367,7 +366,7 @@ class Session:
             for control in group.controls:
                 if control.id == name:
                     return control
-        raise scrim.UsageError(f"the scene has no control {name!r}")
+        raise UsageError(f"the scene has no control {name!r}")
 
     def _now(self, moves: bool) -> Wanted:
         data = self.document.data
@@ -456,7 +455,7 @@ class Session:
         """The command line that renders this picture; what it cannot say is said instead."""
         try:
             sets = self.document.assignments()
-        except scrim.UsageError as error:
+        except UsageError as error:
             return f"# {error}"
         frame = self.frame if self.opened.frames != [1] or self.frame != 1 else None
         over = self._viewpoint.overrides()
@@ -472,7 +471,7 @@ class Session:
         """The table of the chosen view."""
         return self._tables.of(self._reader, self.display, self.view)
 
-    def exact_frame(self) -> scrim.Frame | None:
+    def exact_frame(self) -> _scrim.Frame | None:
         """The frame that the scene's file makes; None while it is not there."""
         return self.pictures.frame if is_exact(self._wanted, self.pictures) else None
 
@@ -481,7 +480,7 @@ class Session:
         frame = self.verified()
         return frame.stats["verification"] if frame is not None else None
 
-    def verified(self) -> scrim.Frame | None:
+    def verified(self) -> _scrim.Frame | None:
         """The frame that is the picture, where it was verified."""
         frame = self.exact_frame()
         return frame if frame is not None and frame.error is not None else None

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-import scrim
-
 from .. import _bounds
+from .._errors import UsageError
 from ._camera import Lens, Pose, world_up
 from ._document import Change
 
@@ -76,7 +75,7 @@ class Viewpoint:
         elif mode == "dolly":
             self.free = pose.dollied(dy)
         else:
-            raise scrim.UsageError(f"the page asks for the movement '{mode}'; expected orbit, pan or dolly")
+            raise UsageError(f"the page asks for the movement '{mode}'; expected orbit, pan or dolly")
 
     def ask_again(self) -> None:
         """Forgets of which files it could not be known where they are."""
@@ -90,7 +89,7 @@ class Viewpoint:
             return False
         if box is None:
             files = [volume["file"] for volume in volumes.values() if volume["file"]]
-            raise scrim.UsageError(
+            raise UsageError(
                 f"'{files[0]}' does not say where its voxels are" if files else
                 "the volumes of this scene are not files, so their size is not known before a render"
             )
@@ -111,9 +110,9 @@ class Viewpoint:
     def kept(self) -> list[Change]:
         """What makes the free view the scene's camera."""
         if self.free is None:
-            raise scrim.UsageError("the view is that of the scene's camera")
+            raise UsageError("the view is that of the scene's camera")
         if any(isinstance(value, dict) and "keys" in str(value) for value in self._camera.values()):
-            raise scrim.UsageError("the scene's camera has keys, which a still view would replace: edit the file")
+            raise UsageError("the scene's camera has keys, which a still view would replace: edit the file")
         camera = ("camera",)
         changes: list[Change] = [((*camera, key), None) for key in ("matrix", "orbit", "exr", "ndc")]
         places = {"position": self.free.eye, "target": self.free.pivot, "up": self.up}
