@@ -51,7 +51,9 @@ class FrameCache:
 
 class Player:
     """Plays the frames of a session, each as soon as its picture is there and not before its time. `session` shows a
-    frame (`show_frame`), and says how many there are a second (`fps`); `tell` and `later` are those of the session."""
+    frame (`show_frame`), and says how many there are a second (`fps`). The session
+    calls `go_on` if the picture of the frame is kept; otherwise it calls `wait`, and `took` once the picture is there.
+    `tell` and `later` are those of the session."""
 
     def __init__(self, session: object, frames: list[int], tell: Callable, later: Callable) -> None:
         self._session, self._frames, self._tell, self._later = session, frames, tell, later
@@ -66,6 +68,9 @@ class Player:
         if begins:
             self._advance()
 
+    def stop(self) -> None:
+        self.is_playing = False
+
     def find(self, look: Hashable, frame: int) -> Pictures | None:
         return self._cache.find(look, frame)
 
@@ -75,21 +80,25 @@ class Player:
             return
         self._cache.keep(look, frame, replace(pictures, frame=None, layers=None, rest=None, depth=None))
         if self.is_playing and self._waits:
-            self._go_on()
+            self.go_on()
 
     def _advance(self) -> None:
         if not self.is_playing:
             return
         frame = next((f for f in self._frames if f > self._session.frame), self._frames[0])
-        self._since, self._waits = time.monotonic(), True
+        self._since, self._waits = time.monotonic(), False
         try:
-            if self._session.show_frame(frame):
-                self._go_on()
+            self._session.show_frame(frame)
         except Exception:
-            self.is_playing = False
+            self.stop()
             raise  # `later` tells it
 
-    def _go_on(self) -> None:
+    def wait(self) -> None:
+        """The frame was gone to, and its picture is being rendered."""
+        self._waits = True
+
+    def go_on(self) -> None:
+        """The picture of the frame that was gone to is there: the next one follows in time."""
         self._waits = False
         self._tell({"type": "frame", "number": self._session.frame})
         self._later(max(1 / self._session.fps - (time.monotonic() - self._since), 0.001), self._advance)

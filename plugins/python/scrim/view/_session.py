@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What all browsers of a viewer see and change together: the scene, the camera, and the newest pictures.
 
-Everything here runs in the thread of the server's event loop, except for what `_renderer` does in its own.
+Everything here runs in the thread of the server's event loop. The exceptions: `_renderer` has a thread of its own, and
+what `_aside` and `_turns` are given, such as reading a stage, is done in threads that they make.
 """
 
 from __future__ import annotations
@@ -23,10 +24,12 @@ from ._opened import Opened, renamed_files
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
 from ._playback import Player
 from ._renderer import Renderer, Task, Wanted, is_exact
+from ._stage import Stage
 from ._verified import verified
 from ._viewpoint import Viewpoint
 
 _STILL = 0.25  # seconds without an event after which a held mouse counts as resting
+_SLOW = 0.3  # seconds of reading a stage after which the page says that it is read
 
 
 class Session:
@@ -54,7 +57,7 @@ class Session:
         self._serial = serial
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
-        self._through: tuple | None = None  # a stage through another of its cameras, and that camera in the scene
+        self._stage = Stage(opened, lambda: self.document.data.get("camera"), self._later, self._lost_stage)
         self._failed = ("", "")  # the scene that could not be rendered last, and why
         self.player = Player(self, opened.frames, tell, self._later)
         self._tables = Tables(lambda: self._show(), self._later)
@@ -77,6 +80,7 @@ class Session:
         self._tell = self._show = lambda *_: None
         self._renderer.stop()
         self._tables.close()
+        self._stage.turns.close()
 
     @property
     def serial(self) -> int:
@@ -225,11 +229,15 @@ class Session:
         name = message.get("name")
         if name not in self.opened.cameras:
             raise UsageError(f"the stage has no camera {name!r}")
-        through = self.opened.keeps.through(name)
-        camera = through.scene(self.frame)["camera"]
-        self._viewpoint.free = None
-        self._change([(("camera",), None), (("camera",), camera)], message)
-        self._through = (through, self.document.data["camera"])
+
+        def take(camera: Mapping) -> None:
+            self._message = ""
+            self._viewpoint.free = None
+            self._change([(("camera",), None), (("camera",), camera)], message)
+
+        self._message = f"reading the camera {name}"
+        self._stage.read_camera(name, lambda: self.frame, take, self._serial)
+        self.send_state()
 
     def _on_muted(self, message: Mapping) -> None:
         names = _messages.names(message.get("names"))
@@ -240,44 +248,67 @@ class Session:
         self._update(moves=False)
 
     def _on_frame(self, message: Mapping) -> None:
-        self._go_to(_messages.frame(message.get("number")))
-        self._update(moves=not message.get("done", True))
+        number, moves = _messages.frame(message.get("number")), not message.get("done", True)
+        self._go_to(number, lambda: self._update(moves), self._serial)
 
     def _on_play(self, message: Mapping) -> None:
         self.player.play(bool(message.get("on")))
         self._update(moves=False)
 
-    def _go_to(self, number: int) -> None:
-        """Reads the scene of a frame. Raises scrim.Error; the frame stays then."""
+    def _go_to(self, number: int, then: Callable[[], object], serial: int | None = None) -> None:
+        """Reads the scene of a frame, and calls `then`. Where the scene is bad, the frame stays: a scene of a file
+        raises scrim.Error; a stage is read beside, so `_lost_stage` hears of the error. `serial`: number of the event
+        that asks for the frame."""
+        if not self._stage.has_frames:
+            self._read_at(number, self.document.text)
+            then()
+            return
+
+        def take(base: str, camera: Mapping | None) -> None:
+            self._message = ""
+            text = self.document.on_base(base, {} if camera is None else {"camera": rounded(camera)})
+            self._read_at(number, text)
+            self.document.take_base(base, text)
+            then()
+
+        self._stage.read_frame(number, take, serial)
+        self._later(_SLOW, self._say_that_the_stage_is_read)
+
+    def _read_at(self, number: int, text: str) -> None:
         before, self.frame = self.frame, number
         try:
-            if self.opened.text_at is None:
-                self._read(self.document.text)
-                return
-            base, instead = self.opened.text_at(number), {}
-            if self._through and self.document.data.get("camera") == self._through[1]:
-                instead["camera"] = rounded(self._through[0].scene(number)["camera"])
-            text = self.document.on_base(base, instead)
             self._read(text)
         except Exception:
             self.frame = before
             raise
-        self.document.take_base(base, text)
-        if instead:
-            self._through = (self._through[0], self.document.data["camera"])
 
-    def show_frame(self, number: int) -> bool:
-        """Goes to a frame while frames are played. Whether its picture is there; otherwise it is rendered."""
-        self._go_to(number)
+    def _say_that_the_stage_is_read(self) -> None:
+        if self._stage.turns.is_busy and not self._message:
+            self._message = "reading the stage"
+            self.send_state()
+
+    def _lost_stage(self, problem: BaseException) -> None:
+        """The stage could not be read."""
+        self.player.stop()
+        self._message = ""
+        self._tell({"type": "error", "text": _messages.told(problem)})
+        self._update(moves=False)
+
+    def show_frame(self, number: int) -> None:
+        """Goes to a frame while frames are played. Its picture is shown if it is kept; otherwise it is rendered."""
+        self._go_to(number, lambda: self._show_played(number))
+
+    def _show_played(self, number: int) -> None:
         self._wanted = self._now(moves=False)
         kept = self.player.find(self._look(), number)
         if kept is None:
             self._renderer.want(self._wanted)
-            return False
+            self.player.wait()
+            return
         self._renderer.adopt(kept, self._wanted)
         self.pictures = kept
         self._show()
-        return True
+        self.player.go_on()
 
     @property
     def _name(self) -> str:
@@ -399,9 +430,14 @@ class Session:
             self._tell({"type": "weights", "weights": self.weights(), "handles": handles, "serial": self._serial})
             return
         if self.exact_frame() is not None:  # no picture will come of this event: the one that is there is right
-            self.serial_shown = self._serial
+            self.serial_shown = self._answered()
             self._show()
         self.send_state()
+
+    def _answered(self) -> int:
+        """Number of the last event up to which no event waits for the stage."""
+        first = self._stage.turns.first_serial
+        return self._serial if first is None else min(self._serial, first - 1)
 
     def _rest_if_still(self) -> None:
         if self._wanted.moves and time.monotonic() - self._moved >= 0.9 * _STILL:
@@ -497,7 +533,8 @@ class Session:
             self.pictures = pictures
             # Events that changed nothing may have come while it was rendered.
             is_right = self.exact_frame() is not None
-            self.serial_shown = self._serial if is_right else max(self.serial_shown, wanted.serial)
+            shown = self._answered() if is_right else min(wanted.serial, self._answered())
+            self.serial_shown = max(self.serial_shown, shown)
             if wanted.frame == self.frame and self.weights() is None:
                 self.player.took(self._look(), self.frame, pictures)
             self._show()
