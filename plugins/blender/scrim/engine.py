@@ -14,13 +14,13 @@ from . import colour, exr, export, formulae, motion, preview, scene_file, so_far
 from .scrim_kit import Failure, frames, program
 
 SHUTTER_TIMES = 5
-FAR = 1e10  # what Blender writes as the depth of nothing
+FAR = 1e10  # the depth that Blender writes where nothing is
 # Passes beside Combined and Depth: property, name in Blender, channels in the EXR, name of the layer
 EXTRA = (
     ("pass_transmittance", "Transmittance", ("transmittance.R", "transmittance.G", "transmittance.B"), "transmittance"),
     ("pass_albedo", "Albedo", ("albedo.R", "albedo.G", "albedo.B"), "albedo"),
 )
-# What a run told last, for the panel: the scene's own properties cannot be written while it is rendered.
+# The summary of the last run, for the panel. Properties of the scene cannot be written while it is rendered.
 last_run = {"text": ""}
 
 
@@ -248,7 +248,7 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
 
 
 def grey(name, channels):
-    """The channel that stands for it where a layer holds one channel for all colours."""
+    """The channel in place of `name`, in a layer that has one channel for all colours."""
     base = name.rpartition(".")[0]
     for candidate in (base, base + ".Y", base + ".A"):
         if candidate in channels:

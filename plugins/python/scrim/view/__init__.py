@@ -27,7 +27,7 @@ _KITS = ("tornado", "tomlkit")
 def needs() -> None:
     """Raises UsageError where a package is missing that the viewer uses."""
     for name in _KITS:
-        if importlib.util.find_spec(name) is None:  # without loading it
+        if importlib.util.find_spec(name) is None:  # finds a package without loading it
             raise UsageError(
                 f"the viewer needs {' and '.join(_KITS)} (No module named '{name}'); install them beside Scrim: "
                 f"pip install {' '.join(_KITS)}"
@@ -42,11 +42,11 @@ def shown(
     folder: str | os.PathLike[str] | None = None,
     volumes: Mapping[str, object] | None = None,
 ) -> View:
-    """Shows the shot in a notebook, as `scrim view` does in a browser: the viewer is what the cell gives.
+    """Shows the shot in a notebook, as `scrim view` does in a browser: the returned viewer is what the cell displays.
 
-    `frame`: the first one that is shown; None: the first of the shot.  `height`: of the frame in the cell, in pixels.
-    `folder`: what paths of a scene in memory are relative to, and where it may be saved; None: that of its path.
-    `volumes`: grids made in code, by the names of the volumes that wait for them, as `set_volume` takes them.
+    `frame`: the first frame that is shown; None: the first of the shot.  `height`: of the page in the cell, in pixels.
+    `folder`: paths of a scene in memory are relative to it, and the scene may be saved there; None: the folder of the
+    shot's path.  `volumes`: grids made in code, by names of volumes, as `set_volume` takes them.
     The browser must reach 127.0.0.1 of the kernel's machine."""
     needs()
     from ._notebook import View, opened_of

@@ -119,7 +119,7 @@ class Maker:
         name = ".".join(str(key) for key in keys)
         keyed = is_keyed(value)
         if kind == "number" and not keyed and not is_number(value):
-            return  # a grid or another form that has no slider
+            return  # a grid, or another form of the key without a slider
         if kind in ("colour", "vector") and not keyed and not is_triple(value):
             return
         given: dict = {"is_keyed": keyed, **more}
@@ -128,7 +128,8 @@ class Maker:
 
     def add_pair(self, label: str, keys: Place, default: tuple[float, float], ascends: bool = True,
                  ends: tuple[str, ...] = ("low", "high")) -> None:  # fmt: skip
-        """A slider for each number of a pair. `ascends`: one end moves the other along where it has to."""
+        """A slider for each number of a pair. `ascends`: low < high, so a slider moves the other number along where
+        it would pass it. `ends`: the sliders that are made."""
         value = read(self._table, keys, list(default))
         if not (isinstance(value, list) and len(value) == 2 and all(is_number(one) for one in value)):
             return
@@ -147,7 +148,7 @@ class Maker:
                 )
 
     def add_curve(self, label: str, kind: str, keys: Place) -> None:
-        """A curve where there is one, or can be one."""
+        """A curve; an empty one where the scene has no such key."""
         given = read(self._table, keys, None)
         points = _curves.points(kind, given) if given is not None else []
         place, name = (*self._place, *keys), ".".join(str(key) for key in keys)
@@ -157,7 +158,7 @@ class Maker:
         )  # fmt: skip
 
     def add_angles(self, label: str, key: str, up: np.ndarray) -> None:
-        """Two sliders for a direction."""
+        """Sliders for the azimuth and elevation of a direction."""
         value = read(self._table, (key,), None)
         if not is_triple(value):
             return

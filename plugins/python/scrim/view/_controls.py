@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What of a scene the page can change: a control for each key, as data. The page draws them, and cannot change what has
-no control.
+"""The controls of a scene, as data: one for each key that the page can change. The page draws them.
 
-Ranges of sliders are habits, not limits: what a key may hold the library says when the scene is read.
+Ranges of sliders are usual values, not limits: the library checks a value when the scene is read.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from ._document import name_of
 from ._messages import is_number
 
 _QUALITIES = ("draft", "standard", "high", "ultra")
-# The errors that these promise, for media and for classified volumes: `scrim help render`.
+# The errors that these qualities promise, first for media, then for classified volumes: `scrim help render`.
 _PROMISES = (0.03, 0.01, 0.003, 0.001), (0.05, 0.02, 0.01, 0.005)
 _WHITE = [1.0, 1.0, 1.0]
 
@@ -92,7 +91,7 @@ def _volume(index: int, volume: Mapping) -> Group:
 
 
 def _promises(scene: Mapping) -> tuple[float, ...]:
-    """What the presets promise for this scene; none where it sets the dials by hand."""
+    """The errors that the qualities promise for this scene; () where the scene sets the dials by hand."""
     if any(key in scene.get("render", {}) for key in ("texel", "sheet_thickness")):
         return ()
     return _PROMISES[any("classified" in volume for volume in scene.get("volume", []))]
@@ -144,7 +143,7 @@ def _render(scene: Mapping) -> Group:
 
 
 def groups_of(scene: Mapping, up: np.ndarray) -> list[Group]:
-    """The controls of a scene. `up`: the world's axis that angles of lights are measured from."""
+    """The controls of a scene. `up`: the axis of the world about which azimuths of lights are measured."""
     groups = [_light(i, light, up) for i, light in enumerate(scene.get("light", []))]
     ambient = Maker(scene, (), "scene")
     ambient.add("colour", "colour", ("ambient", "color"), [0.0, 0.0, 0.0], layer="ambient", law="factor")

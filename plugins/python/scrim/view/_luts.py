@@ -60,7 +60,7 @@ class Tables:
         self._threads: list[threading.Thread] = []
 
     def close(self) -> None:
-        """Waits for tables that are being made."""
+        """Waits until no table is being made."""
         for thread in self._threads:
             if thread.is_alive():
                 thread.join()

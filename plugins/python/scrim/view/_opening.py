@@ -29,12 +29,12 @@ def listed(folder: str) -> list[str]:
 
 
 def takes_long(path: str) -> bool:
-    """Whether it is read as a whole before anything is known of it: an asset, which is framed."""
+    """Whether opening `path` takes long: an asset is read whole to be framed."""
     return os.path.isfile(path) and os.path.splitext(path)[1].lower() in _ASSETS
 
 
 def may_load_usd(path: str) -> bool:
-    """Whether it is, or a folder may hold, a stage."""
+    """Whether `path` is a stage, or a folder, which may hold one."""
     return os.path.isdir(path) or os.path.splitext(path)[1].lower() in _STAGES
 
 
@@ -46,9 +46,9 @@ def opened(
     up: tuple[float, float, float] | None = None,
     resolution: tuple[int, int] | None = None,
 ) -> Opened:
-    """Raises scrim.Error where it cannot be opened. An asset becomes the scene that `scrim render` makes of it, and a
-    stage one for each of its frames; both have no file until they are saved. Of a folder it is the first file that
-    opens, and the others are listed. `up` and `resolution` are for assets."""
+    """Opens a scene, an asset, a stage, or the first file of a folder that opens. An asset becomes the scene that
+    `scrim render` makes of it; a stage becomes a scene for each frame; neither has a file until it is saved. `up` and
+    `resolution` are for assets. Raises scrim.Error where `path` cannot be opened."""
     if os.path.isdir(path):
         return _first_of(path, listed(path), frame, ocio)
     folder = os.path.dirname(os.path.abspath(path))
@@ -79,9 +79,9 @@ def _first_of(folder: str, names: list[str], frame: int | None, ocio: str) -> Op
 
 
 def of_stage(shot: usd.Shot, frame: int, ocio: str = "", grids: Mapping[str, object] | None = None) -> Opened:
-    """A stage from this frame on, with the overrides of the shot."""
+    """The `Opened` of a stage, which begins with `frame`, with the overrides of the shot."""
     text, frames = shot.toml(frame), sorted({*shot.frames, frame})
-    # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
+    # Files that the scene names are in the shot's temporary folder, which is removed with the shot.
     return Opened(
         text, "", os.path.dirname(os.path.abspath(shot.path)), shot.path, frames, frame, os.fspath(ocio),
         ["--ocio", os.fspath(ocio)] if ocio else [], text_at=shot.toml, keeps=shot, temporary=shot.folder,

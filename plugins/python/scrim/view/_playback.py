@@ -22,7 +22,7 @@ class FrameCache:
         self._kept: OrderedDict[tuple[Hashable, int], Pictures] = OrderedDict()
 
     def keep(self, look: Hashable, frame: int, pictures: Pictures) -> None:
-        """`look`: all that a picture depends on beside its frame."""
+        """`look`: everything that a picture depends on, except for its frame."""
         self._drop((look, frame))
         self._kept[look, frame] = pictures
         self._size += pictures.beauty.pixels.nbytes
@@ -75,7 +75,7 @@ class Player:
         return self._cache.find(look, frame)
 
     def took(self, look: Hashable, frame: int, pictures: Pictures) -> None:
-        """Keeps a picture of a frame that was rendered, and goes on if that is what was waited for."""
+        """Keeps a rendered picture of a frame, and goes on if it was waited for."""
         if pictures.stage not in ("draft", "final"):
             return
         self._cache.keep(look, frame, replace(pictures, frame=None, layers=None, rest=None, depth=None))

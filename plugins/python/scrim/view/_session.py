@@ -34,8 +34,8 @@ _SLOW = 0.3  # seconds of reading a stage after which the page says that it is r
 
 class Session:
     """`tell(message)`: sends a dict to all browsers. `show()`: sends them the newest pictures. `later(seconds, call)`:
-    calls in the event loop's thread, and may be called from any thread.
-    `serial`: number of the last event. Raises scrim.Error where the scene is bad."""
+    calls in the event loop's thread, and may be called from any thread. `serial`: number of the last event. Raises
+    scrim.Error where the scene is bad."""
 
     def __init__(
         self,
@@ -45,14 +45,14 @@ class Session:
         later: Callable[[float, Callable[[], object]], object],
         serial: int = 0,
     ) -> None:
-        self.opened = replace(opened, loaded=None)  # it is the renderer's
+        self.opened = replace(opened, loaded=None)  # the renderer takes the shot that is loaded
         self._tell, self._show = tell, show
         self._later = lambda seconds, call: later(seconds, lambda: self._careful(call))
         self.document = Document(opened.text, opened.file)
         self._reader: _scrim.Shot | None = None
         self.frame = opened.frame
         self._viewpoint = Viewpoint(Places(self._beside, self._knows_more))
-        self._frames_all = False  # once it is known where volumes are
+        self._frames_all = False  # the user wants to see all volumes, once it is known where they are
         self._muted: frozenset[str] = frozenset()
         self._serial = serial
         self._moved = 0.0  # when something was last held and moved
@@ -76,7 +76,7 @@ class Session:
         self._renderer.want(self._wanted)
 
     def close(self) -> None:
-        """Ends it: browsers hear nothing more of it."""
+        """Ends the session. Browsers hear nothing more of it."""
         self._tell = self._show = lambda *_: None
         self._renderer.stop()
         self._tables.close()
@@ -88,11 +88,11 @@ class Session:
         return self._serial
 
     def _beside(self, work: Callable[[], Made], then: Callable[[Made], object]) -> None:
-        """Calls `then` with what `work` gives, which is done in a thread."""
+        """Calls `work` in a thread, and `then` with its result."""
         aside(work, self._later, then, lambda problem: self._tell({"type": "error", "text": _messages.told(problem)}))
 
     def _careful(self, call: Callable[[], object]) -> None:
-        """What the event loop would only log is shown to browsers."""
+        """Shows browsers an exception of `call`, which the event loop would only log."""
         try:
             call()
         except Exception as error:  # noqa: BLE001
@@ -101,8 +101,8 @@ class Session:
     # ---- what browsers ask for
 
     def handle(self, message: Mapping) -> None:
-        """Does what a browser asks for. Raises scrim.Error where that is impossible, or whatever a message brings about
-        that nobody thought of; nothing has changed then."""
+        """Does what a browser asks for. Raises scrim.Error where that is impossible, and any exception for a mistake
+        of the viewer; the scene stays as it was."""
         kind = message.get("type")
         do = getattr(self, f"_on_{kind}", None) if isinstance(kind, str) and kind.isidentifier() else None
         if do is None:
@@ -116,7 +116,7 @@ class Session:
             raise
 
     def refuse(self, serial: int) -> None:
-        """What is there is right for this event, too, which changed nothing."""
+        """Answers an event that changed nothing: the pictures that are there count as those of the event."""
         self._serial = max(self._serial, serial)
         self._update(moves=False)
 
@@ -158,13 +158,13 @@ class Session:
             self._message = "reading where the volumes are"
 
     def _knows_more(self) -> None:
-        """It is known where more of the volumes are."""
+        """Hears that the places of more volumes are known."""
         if self._frames_all:
             self._message = ""
             self._frame_all()
             self._update(moves=False)
         else:
-            self.send_state()  # handles of lights go with the point that the view turns about
+            self.send_state()  # the places of handles depend on the point that the view turns about
 
     def _on_set(self, message: Mapping) -> None:
         control = self._control(message.get("id"))
@@ -326,7 +326,7 @@ class Session:
         return self.document.text, str(self._viewpoint.overrides()), self._muted
 
     def _on_region(self, message: Mapping) -> None:
-        """A part of the picture alone is refined; without a box all of it."""
+        """Only a part of the picture is refined; without a box, all of it."""
         self._region = _messages.window(message.get("box"), self._viewpoint.resolution)
         self._update(moves=False)
 
@@ -359,7 +359,7 @@ class Session:
         self._beside(lambda: self.opened.copied(files, name), lambda names: self._save(name, names))
 
     def _save(self, name: str, names: Mapping[str, str] | None = None) -> None:
-        """`names`: of files that were copied for it, by what the scene calls them."""
+        """`names`: new names of files that were copied for the saved scene, by their names in the present one."""
         try:
             if names:
                 self._change(renamed_files(self.document.data, names), {})
@@ -383,7 +383,7 @@ class Session:
     # ---- the state
 
     def _read(self, text: str) -> None:
-        """Reads a scene with the engine, which says what is wrong with it."""
+        """Reads a scene with the engine. Raises scrim.Error where it is bad."""
         reader = _scrim.loads(
             text, folder=self.opened.folder, name=self._name, ocio=self.opened.ocio,
             sharing=self._reader, checked_frame=self.frame,
@@ -420,7 +420,7 @@ class Session:
         )
 
     def _update(self, moves: bool) -> None:
-        """Renders and tells what follows from a change; while something is held, in few words."""
+        """Renders the scene as it is now. Tells browsers the whole state; while something is held, only the weights."""
         self._wanted = self._now(moves)
         self._renderer.want(self._wanted)
         if moves:
@@ -429,7 +429,7 @@ class Session:
             handles = _handles.of(self.document.data, self._seen_from())
             self._tell({"type": "weights", "weights": self.weights(), "handles": handles, "serial": self._serial})
             return
-        if self.exact_frame() is not None:  # no picture will come of this event: the one that is there is right
+        if self.exact_frame() is not None:  # the event needs no new picture
             self.serial_shown = self._answered()
             self._show()
         self.send_state()
@@ -455,7 +455,7 @@ class Session:
         return self.pictures.weights(self._wanted.strengths, self._muted) if self.pictures else None
 
     def state(self) -> dict:
-        """All that the page shows beside the pictures."""
+        """Everything that the page shows beside the pictures."""
         return {
             "type": "state",
             "title": self._name,
@@ -488,7 +488,7 @@ class Session:
         self._tell(self.state())
 
     def command(self) -> str:
-        """The command line that renders this picture; what it cannot say is said instead."""
+        """The command line that renders this picture; where none can, a comment that says why."""
         try:
             sets = self.document.assignments()
         except UsageError as error:
@@ -512,17 +512,17 @@ class Session:
         return self.pictures.frame if is_exact(self._wanted, self.pictures) else None
 
     def error(self) -> dict | None:
-        """What a verification of the picture found: see `verification` of `--stats`. None where there was none."""
+        """The result of the picture's verification: see `verification` of `--stats`. None: it was not verified."""
         frame = self.verified()
         return frame.stats["verification"] if frame is not None else None
 
     def verified(self) -> _scrim.Frame | None:
-        """The frame that is the picture, where it was verified."""
+        """The frame of the picture, if it was verified."""
         frame = self.exact_frame()
         return frame if frame is not None and frame.error is not None else None
 
     def verified_pixels(self) -> dict:
-        """What the page shows of its pixels."""
+        """The verified pixels, as the page shows them."""
         return verified(self.verified(), self.document.data, self._viewpoint.resolution)
 
     def progress(self) -> float | None:
@@ -531,7 +531,7 @@ class Session:
     def _took(self, pictures: Pictures, wanted: Wanted, task: Task) -> None:
         def take() -> None:
             self.pictures = pictures
-            # Events that changed nothing may have come while it was rendered.
+            # Events that need no other picture may have come during the render.
             is_right = self.exact_frame() is not None
             shown = self._answered() if is_right else min(wanted.serial, self._answered())
             self.serial_shown = max(self.serial_shown, shown)
@@ -552,7 +552,7 @@ class Session:
         self._later(0.0, tell)
 
     def _groups(self) -> list[dict]:
-        """The controls, as data. That of an expression with a mistake has it, too."""
+        """The controls, as data. The control of an expression with an error also has the error, as `mistake`."""
         groups = [
             {"kind": g.kind, "name": g.name, "title": g.title, "folded": g.folded,
              "controls": [c.as_data() for c in g.controls]}
