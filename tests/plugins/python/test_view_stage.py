@@ -19,7 +19,7 @@ pytest.importorskip("pxr", reason="usd-core is not installed")
 from conftest import PROGRAM  # noqa: E402
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdRender  # noqa: E402
 from usd_stages import lit_fog_stage, write_fog  # noqa: E402
-from viewing import PATIENCE, Browser, Serving, Viewer  # noqa: E402
+from viewing import PATIENCE, Browser, Door, Serving, Viewer  # noqa: E402
 
 import scrim.usd  # noqa: E402
 import scrim.view._document  # noqa: E402
@@ -64,6 +64,18 @@ def test_a_stage_is_seen_through_its_other_cameras(browser):
     assert numpy.array_equal(browser.until_exact(), front)
     browser.send(type="camera", name="/key")
     assert "no camera '/key'" in browser.until(lambda m: m["type"] == "error")["text"]
+
+
+def test_a_stage_is_shown_in_a_notebook_with_its_cameras(stage):
+    shot = scrim.usd.open(stage, {"light.key.intensity": 7.0})
+    view = shot.view(height=300)
+    assert 'height="300"' in view._repr_html_()
+    browser = Browser(Door(view.url))
+    assert numpy.array_equal(browser.until_exact(), shot.render().image.astype(numpy.float16))
+    assert browser.state["cameras"] == ["/cam", "/World/side"]
+    browser.close()
+    view.close()
+    assert "intensity = 7.0" in view.toml
 
 
 def test_a_saved_stage_keeps_its_solids(browser, stage):
