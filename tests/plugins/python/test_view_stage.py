@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import threading
+import time
 import zipfile
 
 import numpy
@@ -312,6 +313,20 @@ def test_of_frames_that_wait_for_the_stage_only_the_last_one_is_read(hold):
     held.may_go_on.set()
     held.browser.until_exact()
     assert held.arguments == [2, 3] and held.browser.state["frame"] == 3
+
+
+def test_a_frame_that_is_read_when_playing_ends_is_not_gone_to(hold):
+    held = hold("toml")
+    held.browser.send(type="play", on=True)
+    assert held.begun.wait(PATIENCE)
+    held.browser.send(type="play", on=False)
+    held.browser.until(lambda m: m["type"] == "state" and m["serial"] == held.browser.serial)
+    held.may_go_on.set()
+    while held.serving.server.session._stage.turns.is_busy:
+        time.sleep(0.01)
+    held.browser.send(type="rest")
+    held.browser.until(lambda m: m["type"] == "state" and m["serial"] == held.browser.serial)
+    assert held.browser.state["frame"] == 1 and held.arguments == [2]
 
 
 def test_what_is_wrong_with_a_frame_of_a_stage_is_told_and_the_frame_stays(hold):

@@ -60,13 +60,15 @@ class Player:
         self._cache = FrameCache()
         self._since = 0.0  # when the frame was gone to
         self._waits = False  # for its picture
+        self._run = 0  # number of the last run: what an earlier run began has no effect
         self.is_playing = False
 
     def play(self, on: bool) -> None:
         begins = on and not self.is_playing and len(self._frames) > 1
         self.is_playing = on and len(self._frames) > 1
         if begins:
-            self._advance()
+            self._run += 1
+            self._advance(self._run)
 
     def stop(self) -> None:
         self.is_playing = False
@@ -82,13 +84,16 @@ class Player:
         if self.is_playing and self._waits:
             self.go_on()
 
-    def _advance(self) -> None:
-        if not self.is_playing:
+    def _plays(self, run: int) -> bool:
+        return self.is_playing and run == self._run
+
+    def _advance(self, run: int) -> None:
+        if not self._plays(run):
             return
         frame = next((f for f in self._frames if f > self._session.frame), self._frames[0])
         self._since, self._waits = time.monotonic(), False
         try:
-            self._session.show_frame(frame)
+            self._session.show_frame(frame, lambda: self._plays(run))
         except Exception:
             self.stop()
             raise  # `later` tells it
@@ -101,4 +106,5 @@ class Player:
         """The picture of the frame that was gone to is there: the next one follows in time."""
         self._waits = False
         self._tell({"type": "frame", "number": self._session.frame})
-        self._later(max(1 / self._session.fps - (time.monotonic() - self._since), 0.001), self._advance)
+        seconds, run = max(1 / self._session.fps - (time.monotonic() - self._since), 0.001), self._run
+        self._later(seconds, lambda: self._advance(run))

@@ -255,10 +255,16 @@ class Session:
         self.player.play(bool(message.get("on")))
         self._update(moves=False)
 
-    def _go_to(self, number: int, then: Callable[[], object], serial: int | None = None) -> None:
+    def _go_to(
+        self,
+        number: int,
+        then: Callable[[], object],
+        serial: int | None = None,
+        is_wanted: Callable[[], bool] = lambda: True,
+    ) -> None:
         """Reads the scene of a frame, and calls `then`. Where the scene is bad, the frame stays: a scene of a file
         raises scrim.Error; a stage is read beside, so `_lost_stage` hears of the error. `serial`: number of the event
-        that asks for the frame."""
+        that asks for the frame. `is_wanted()`: False: the frame stays, because it is not wanted any more."""
         if not self._stage.has_frames:
             self._read_at(number, self.document.text)
             then()
@@ -266,6 +272,9 @@ class Session:
 
         def take(base: str, camera: Mapping | None) -> None:
             self._message = ""
+            if not is_wanted():
+                self.send_state()
+                return
             text = self.document.on_base(base, {} if camera is None else {"camera": rounded(camera)})
             self._read_at(number, text)
             self.document.take_base(base, text)
@@ -294,9 +303,9 @@ class Session:
         self._tell({"type": "error", "text": _messages.told(problem)})
         self._update(moves=False)
 
-    def show_frame(self, number: int) -> None:
+    def show_frame(self, number: int, is_wanted: Callable[[], bool]) -> None:
         """Goes to a frame while frames are played. Its picture is shown if it is kept; otherwise it is rendered."""
-        self._go_to(number, lambda: self._show_played(number))
+        self._go_to(number, lambda: self._show_played(number), is_wanted=is_wanted)
 
     def _show_played(self, number: int) -> None:
         self._wanted = self._now(moves=False)
