@@ -13,7 +13,8 @@ target_compile_options(
 if(SCRIM_SANITIZE)
     target_compile_options(scrim_build_settings INTERFACE -fsanitize=${SCRIM_SANITIZE} -fno-omit-frame-pointer
                                                           -fno-sanitize-recover=all)
-    # What ends in a crash that the address sanitizer explains is not looked for a second time, in twice the code.
+    # These checks look for faults that end in a crash. The address sanitizer explains such crashes, and with the checks
+    # the code would be twice as large.
     if(SCRIM_SANITIZE MATCHES "address.*undefined")
         target_compile_options(scrim_build_settings
                                INTERFACE -fno-sanitize=null,alignment,object-size,vptr,pointer-overflow

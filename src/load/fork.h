@@ -12,7 +12,8 @@
 
 namespace scrim::load {
 
-/// Waits until a copy may be made: at once, but in builds with sanitizers.
+/// Waits until a copy may be made. Without sanitizers it returns at once. With them its first call waits until all
+/// other threads of this process sleep, for about a second at most.
 void waitForQuietThreads();
 
 /// Makes a copy of this process that runs `task` and exits with the status that it returns; nothing is cleaned up

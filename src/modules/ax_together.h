@@ -32,9 +32,9 @@ class Together {
             m_floats += use.type == "float" ? 1 : 3;
         }
     }
-    /// False: it writes one grid only, or too many, or such as have no floats.
+    /// True if it writes at least two grids, all of them of float or vec3f, with at most 16 floats a voxel together.
     bool worthwhile() const { return m_known && m_written.size() > 1 && m_floats <= 16; }
-    /// The expression that does it; null: it cannot be done.
+    /// The expression that works on the variables; null: it cannot be rewritten.
     ax::ast::Tree::Ptr rewritten(const std::string& code) const;
     void take(Executable executable) { (m_executable = std::move(executable))->setCreateMissing(false); }
     /// Runs where all grids that are written have the same voxels; otherwise returns false.

@@ -7,8 +7,7 @@ import tempfile
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
-from . import colour, engine, export, motion
-from .program_path import program_path
+from . import colour, engine, export, motion, scene_file
 from .scrim_kit import Failure, program
 
 PLAN_SECONDS = 60
@@ -74,7 +73,7 @@ class ScrimPreferences(bpy.types.AddonPreferences):
 
 def plan_text(context):
     """What `scrim plan` says of the scene as it is."""
-    scrim = program_path(engine.preference())
+    scrim = scene_file.preferred_program()
     depsgraph = context.evaluated_depsgraph_get()
     scene = depsgraph.scene
     if scene.camera is None:
@@ -84,8 +83,9 @@ def plan_text(context):
     try:
         moves = motion.Moves(motion.matrices(depsgraph, camera.matrix_world), export.FRAME)
         said = []
-        content, _ = engine.export_scene(folder, depsgraph, said.append, (camera, camera.data.shift_x), moves)
-        arguments = [scrim, "plan", engine.write_scene(folder, content), "--ocio", colour.config_file(bpy, folder)]
+        content, _ = scene_file.export_scene(folder, depsgraph, said.append, (camera, camera.data.shift_x), moves)
+        written = scene_file.write_scene(folder, content)
+        arguments = [scrim, "plan", written, "--ocio", colour.config_file(bpy, folder)]
         plan = program.ask(arguments, PLAN_SECONDS).output
         notes = "".join(f"not mapped: {text}\n" for text in said)
         return notes + plan.replace(folder + os.sep, "")

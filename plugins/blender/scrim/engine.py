@@ -10,28 +10,22 @@ import traceback
 import bpy
 import numpy as np
 
-from . import colour, exr, export, formulae, motion, preview, so_far
-from .program_path import program_path
-from .scrim_kit import Failure, frames, program, toml_text
+from . import colour, exr, export, formulae, motion, preview, scene_file, so_far
+from .scrim_kit import Failure, frames, program
 
 SHUTTER_TIMES = 5
-FAR = 1e10  # what Blender writes as the depth of nothing
+FAR = 1e10  # the depth that Blender writes where nothing is
 # Passes beside Combined and Depth: property, name in Blender, channels in the EXR, name of the layer
 EXTRA = (
     ("pass_transmittance", "Transmittance", ("transmittance.R", "transmittance.G", "transmittance.B"), "transmittance"),
     ("pass_albedo", "Albedo", ("albedo.R", "albedo.G", "albedo.B"), "albedo"),
 )
-# What a run told last, for the panel: the scene's own properties cannot be written while it is rendered.
+# The summary of the last run, for the panel. Properties of the scene cannot be written while it is rendered.
 last_run = {"text": ""}
 
 
 def light_pass(name):
     return f"Light {name}"[:60]
-
-
-def preference():
-    addon = bpy.context.preferences.addons.get(__package__)
-    return addon.preferences.program if addon and addon.preferences else ""
 
 
 def arguments_for(scene, folder):
@@ -65,27 +59,6 @@ def layers_for(scene, view_layer):
 def output_table(scene, layers):
     fps = scene.render.fps / scene.render.fps_base
     return {"type": "float", "compression": "none", "layers": layers, "fps": float(fps)}
-
-
-def write_scene(folder, scene):
-    path = os.path.join(folder, "scene.toml")
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(toml_text.document({"scene_version": 2, **scene}))
-    return path
-
-
-def abspath(path, library):
-    return bpy.path.abspath(path, library=library)
-
-
-def exporter_of(folder, depsgraph, warn):
-    return export.Exporter(folder, depsgraph.scene.scrim, warn, abspath, bpy.app.version)
-
-
-def export_scene(folder, depsgraph, warn, camera, moves):
-    """(scene, light passes) with `camera` = (object, shift along x)."""
-    exporter = exporter_of(folder, depsgraph, warn)
-    return exporter.scene(depsgraph, camera, moves), exporter.light_passes
 
 
 class ScrimRenderEngine(bpy.types.RenderEngine):
@@ -131,20 +104,21 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
 
     def render_in(self, folder, depsgraph):
         scene = depsgraph.scene
-        scrim = program_path(preference())
+        scrim = scene_file.preferred_program()
         self.update_stats("", "Scrim: writing the scene")
         camera = self.camera_override or scene.camera
         if camera is None:
             raise Failure("the scene has no camera")
         camera = camera.evaluated_get(depsgraph)
         moves = self.moves(depsgraph, camera)
-        content, passes = export_scene(folder, depsgraph, self.warn, (camera, self.camera_shift_x(camera)), moves)
+        shifted = (camera, self.camera_shift_x(camera))
+        content, passes = scene_file.export_scene(folder, depsgraph, self.warn, shifted, moves)
         content["output"] = output_table(scene, layers_for(scene, depsgraph.view_layer_eval))
         width, height = export.resolution(scene.render)
         x0, y0, wide, high = self.window(scene.render, width, height)
         picture = os.path.join(folder, "picture.exr")
         stats = os.path.join(folder, "stats.json")
-        arguments = [scrim, "render", write_scene(folder, content), "-o", frames.pattern_of(picture)]
+        arguments = [scrim, "render", scene_file.write_scene(folder, content), "-o", frames.pattern_of(picture)]
         arguments += arguments_for(scene, folder) + ["--stats", stats, "--progress", "json"]
         top = height - y0 - high
         if (wide, high) != (width, height):
@@ -274,7 +248,7 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
 
 
 def grey(name, channels):
-    """The channel that stands for it where a layer holds one channel for all colours."""
+    """The channel in place of `name`, in a layer that has one channel for all colours."""
     base = name.rpartition(".")[0]
     for candidate in (base, base + ".Y", base + ".A"):
         if candidate in channels:

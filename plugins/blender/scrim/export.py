@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# A depsgraph of Blender as a scene of Scrim: tables, and files in a folder of their own. What cannot be mapped is said
-# once, by name, through `warn`; what cannot be rendered at all raises Failure.
+# A depsgraph of Blender as a scene of Scrim: tables, and files in a folder of their own. `warn` is called once for each
+# thing that cannot be mapped, with its name; a scene that cannot be rendered at all raises Failure.
 import os
 import shutil
 
@@ -10,7 +10,7 @@ from . import exr, formulae, meshes, motion, nodes
 from .scrim_kit import Failure, frames, light_laws, photometry, ply
 from .scrim_kit.names import Names
 
-FRAME = 1  # of the scene: files are those of Blender's frame, and keys are about this one
+FRAME = 1  # of the scene, in place of Blender's frame: keys are about it
 _SOLIDS = ("MESH", "CURVE", "SURFACE", "META", "FONT")
 _LEAST = 1e-5
 
@@ -109,7 +109,7 @@ class Exporter:
             raise Failure(f"{name}: {data.grids.error_message}")
         grids = [grid.name for grid in data.grids]
         if not grids:
-            return []  # such as a sequence beyond its end, which other engines show nothing of, too
+            return []  # such as a sequence beyond its end: other engines show nothing there either
         material = next((slot.material for slot in thing.material_slots if slot.material), None)
         try:
             if material is None or not material.use_nodes:
@@ -150,7 +150,8 @@ class Exporter:
         return {"velocity": {"grid": grid, "scale": float(data.velocity_scale), "unit": unit}}
 
     def volume_file(self, thing):
-        """The frame's file, or a file of what only memory holds: geometry nodes, modifiers."""
+        """The volume's file at the frame. A volume of geometry nodes or modifiers, which is only in memory, is
+        written to one."""
         data = thing.data
         path = data.grids.frame_filepath or ""
         path = self.abspath(path, data.library) if path else ""
@@ -165,7 +166,7 @@ class Exporter:
         return self.files[memory]
 
     def linked(self, path, kind):
-        """A path to it whose name means nothing to a scene, as that of a sequence would."""
+        """A path to the file that no scene takes for a pattern of a sequence."""
         path = os.path.abspath(path)
         if path not in self.files:
             link = os.path.join(self.folder, f"{kind}{len(self.files)}{os.path.splitext(path)[1]}")
@@ -220,7 +221,7 @@ class Exporter:
         return linking is not None and bool(linking.receiver_collection or linking.blocker_collection)
 
     def profile(self, node, data, name):
-        """Keys of a light for an IES texture, and the strength of its brightest direction."""
+        """(keys of a light for an IES texture, strength of its brightest direction)."""
         if node is None:
             return {}, 1.0
         if data.type not in ("POINT", "SPOT"):
@@ -368,4 +369,5 @@ def resolution(render):
 def shutter_position(scene):
     if hasattr(scene.render, "motion_blur_position"):
         return scene.render.motion_blur_position
-    return getattr(getattr(scene, "cycles", None), "motion_blur_position", "CENTER")  # before all engines shared it
+    # Versions in which only Cycles had it
+    return getattr(getattr(scene, "cycles", None), "motion_blur_position", "CENTER")

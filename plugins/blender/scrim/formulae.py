@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# What Blender's numbers of media and cameras are in Scrim's units, with the place in Cycles' source text that a law was
-# read from. Plain numbers in, tables of a scene out, nothing of Blender. The laws of light are the kit's.
+# Numbers of Blender's media and cameras in Scrim's units, each law with its place in Cycles' source text. Plain
+# numbers in, tables of a scene out; nothing of Blender is imported. The laws of light are in the kit.
 import math
 
 _LEAST = 1e-12
 
 
 def object_density(matrix):
-    """What Cycles multiplies coefficients by where a volume's space is 'OBJECT' (scene/object.cpp): one over the length
+    """The factor of Cycles on coefficients where a volume's space is 'OBJECT' (scene/object.cpp): one over the length
     that the object's matrix gives to a unit vector along (1, 1, 1)."""
     along = [sum(matrix[i][j] for j in range(3)) / math.sqrt(3) for i in range(3)]
     length = math.sqrt(sum(a * a for a in along))

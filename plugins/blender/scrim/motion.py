@@ -31,12 +31,12 @@ class Moves:
         return self.now[key]
 
     def _seen(self, key):
-        """[(time, matrix)] where it moves, else nothing."""
+        """[(time, matrix)] of a thing that moves; [] where it stands still."""
         seen = [(self.frame + time, there[key]) for time, there in self.samples if key in there]
         return seen if len(seen) > 1 and any(not _near(m, seen[0][1]) for _, m in seen) else []
 
     def keyed(self, key, value):
-        """`value(matrix)`, with keys where that moves."""
+        """`value(matrix)`; keyed where it changes."""
         seen = self._seen(key)
         if not seen:
             return value(self.now[key])

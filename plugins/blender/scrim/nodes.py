@@ -54,7 +54,8 @@ def has_surface(tree):
 
 
 def _or_noted(socket, notes):
-    """Where a value only shapes the look: what the socket says without its link."""
+    """For a value that only shapes the look: notes what is not mapped, and takes the socket's value without its
+    link."""
     try:
         value = value_of(socket)
         if not value.grid:
@@ -67,7 +68,7 @@ def _or_noted(socket, notes):
 
 @dataclass
 class _Part:
-    """What one shader adds."""
+    """The coefficients that one shader adds."""
 
     scattering: Value = None
     extinction: Value = None
@@ -92,7 +93,7 @@ class _Sum:
         return Value(WHITE, self.code.grid(variable, None if vector else 0.0))
 
     def product(self, a, b):
-        """That of two values, which may both be grids."""
+        """The product of two values. Both may be grids."""
         if not (a.grid and b.grid):
             return a.times(b)
         first, second = (self.code.scalar(self.code.variable_of(v.grid))[0] for v in (a, b))
@@ -246,7 +247,7 @@ class _Sum:
             raise NotMapped("a density that is the same everywhere; link a grid to it")
         if len(names) > 1:
             raise NotMapped(f"densities of several grids ({', '.join(sorted(names))})")
-        # What only glows has a density of 0, of any grid.
+        # A medium that only glows: any grid with a density of 0.
         glowing = (medium.emission or medium.blackbody or {}).get("grid", "")
         medium.grid = names.pop() if names else glowing
         if not medium.grid:
@@ -305,14 +306,14 @@ def default_medium(grids):
 
 @dataclass
 class Shining:
-    """What a surface or a lamp shines with: `color`, times the candelas of an IES texture where there is one."""
+    """The light of a surface or a lamp: `color`, times the candelas of an IES texture if there is one."""
 
     color: list
     profile: object = None
 
 
 def light_emission(light):
-    """What the nodes of a light say: white where it has none. Raises NotMapped."""
+    """The light that a light's nodes describe; without nodes it is white. Raises NotMapped."""
     if not light.use_nodes or light.node_tree is None:
         return Shining(WHITE)
     node = _surface_of(light.node_tree, "ShaderNodeOutputLight")
@@ -334,7 +335,7 @@ def mesh_emission(material):
         strength = node.inputs["Emission Strength"]
         color = node.inputs["Emission Color" if "Emission Color" in node.inputs else "Emission"]
     if not strength.links and float(strength.default_value) <= 0:
-        return BLACK  # whatever feeds its colour
+        return BLACK  # with a strength of 0 the colour does not matter
     emitted = _shining(strength, color)
     if emitted.profile is not None:
         raise NotMapped(f"node '{emitted.profile.name}' on a mesh")
@@ -378,7 +379,7 @@ class Sky:
 
 
 def sky_of(world):
-    """What the world shines with, or None. Raises NotMapped."""
+    """The light of the world, or None. Raises NotMapped."""
     if not world.use_nodes or world.node_tree is None:
         color = [float(c) for c in world.color]
         return Sky(color) if max(color) > 0 else None

@@ -13,8 +13,7 @@ import numpy as np
 from gpu_extras.presets import draw_texture_2d
 from mathutils import Matrix
 
-from . import colour, exr, export, motion
-from .program_path import program_path
+from . import colour, exr, export, motion, scene_file
 from .scrim_kit import Failure, frames, program
 
 PIXELS = 0.5  # of the region's, along each side
@@ -54,18 +53,19 @@ class Preview:
         self.engine().update_stats("Scrim", text)
 
     def fail(self, text):
-        """What is drawn would be that of another scene."""
+        """Shows an error. The picture goes: it is that of another scene."""
         self.texture = None
         self.say(text)
 
     def update(self, context, depsgraph):
-        """Starts anew: something changed."""
+        """Renders anew, since something changed."""
         self.stop()
         self.view = view_of(context)
         self.careful(self.begin, context, depsgraph)
 
     def careful(self, step, *arguments):
-        """Blender would only print what it raises, and go on to draw the scene as it was."""
+        """Calls a step, and shows its exceptions: Blender would only print them, and go on to draw the scene as it
+        was."""
         try:
             step(*arguments)
         except Failure as failure:
@@ -75,20 +75,18 @@ class Preview:
             self.fail(f"{type(error).__name__}: {error}")
 
     def begin(self, context, depsgraph):
-        from . import engine
-
-        scrim = program_path(engine.preference())
+        scrim = scene_file.preferred_program()
         self.number += 1
         folder = os.path.join(self.folder, str(self.number))
         os.mkdir(folder)
-        # What is not mapped is said by renders; here it would be said at every turn of the view.
+        # Without warnings of what is not mapped: renders give them; here each turn of the view would.
         moves = motion.Moves(motion.matrices(depsgraph, Matrix()), export.FRAME)
-        exporter = engine.exporter_of(folder, depsgraph, lambda text: None)
+        exporter = scene_file.exporter_of(folder, depsgraph, lambda text: None)
         content = exporter.scene_of_view(depsgraph, viewport_camera(context), moves)
         content["output"] = {"type": "float", "compression": "none"}
         self.picture = os.path.join(folder, "picture.exr")
-        arguments = [scrim, "render", engine.write_scene(folder, content), "-o", frames.pattern_of(self.picture), "-q"]
-        arguments += ["--quality", "draft", "--ocio", colour.config_file(bpy, folder)]
+        arguments = [scrim, "render", scene_file.write_scene(folder, content), "-o", frames.pattern_of(self.picture)]
+        arguments += ["-q", "--quality", "draft", "--ocio", colour.config_file(bpy, folder)]
         self.process = program.Background(arguments, os.path.join(folder, "told"))
         self.say("...")
         if not self.polled:
@@ -136,7 +134,7 @@ class Preview:
 
 
 def view_of(context):
-    """What the viewport's picture depends on beside the scene."""
+    """Everything that the viewport's picture depends on beside the scene."""
     region, view = context.region, context.region_data
     return region.width, region.height, view.perspective_matrix.copy().freeze()
 
@@ -150,7 +148,8 @@ def viewport_camera(context):
 
 
 def camera_of_window(projection, matrix, width, height):
-    """`projection`: OpenGL's. Its first rows hold one over half the width and height, and how far the window moves."""
+    """The `camera` of a scene. `projection`: OpenGL's matrix, whose first rows hold 1 / (half the width), 1 / (half the
+    height), and the shift of the window."""
     out = {"matrix": export.rows(matrix), "resolution": [width, height]}
     side = -1 if projection[3][3] == 0 else 1
     if side < 0:

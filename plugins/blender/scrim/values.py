@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# What a socket says where that is a constant, or a constant times a grid: the most that keys of a scene can hold.
+# The value of a socket, if it is a constant or a constant times a grid: keys of a scene can hold no more.
 from dataclasses import dataclass
 
 from .expressions import NotMapped, constant_of, source_of

@@ -1,3 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shots on render farms. A job is a folder: job.json says what is rendered, state/ how each task went, log/ what it
-said. All that runs on the farm reads that folder, so any machine that sees it can tell what is missing."""
+"""Shots on render farms. A job is a folder with job.json, which holds the shot, state/, how each task went, and
+log/, what each task wrote. Everything that runs on the farm reads this folder, so any machine that sees it can tell
+what is missing."""

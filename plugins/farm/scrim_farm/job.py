@@ -10,17 +10,16 @@ from scrim_kit.frames import at_frame, pattern_of
 from scrim_kit.program import Status
 
 PROGRAM = os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "scrim-submit")
-# For Python on the farm: neither the current folder nor PYTHONPATH may hold a module that it takes for its own. Nothing
-# else than Python's own modules is needed.
+# Options of Python on the farm: it imports nothing from the current folder or PYTHONPATH, where modules may have the
+# names of its own. Only modules of Python itself are needed.
 ISOLATED = "-I"
 
-# What an exit status of scrim means here: `lost` of one that was killed from outside, often by the kernel for want of
-# memory.
+# Results by the exit status of scrim. `lost`: something outside killed it, often the kernel, which lacked memory.
 RESULTS = {Status.DONE: "done", Status.RENDER: "fatal", Status.USAGE: "fatal", Status.INPUT: "fatal",
            Status.OUTPUT: "retry", Status.INACCURATE: "warned", Status.MEMORY: "memory", 130: "cancelled",
            143: "cancelled", 137: "lost"}
 DONE = ("done", "warned")
-AGAIN = ("retry", "memory", "lost", "crashed", "running")  # `running` where nothing runs any more: a machine went down
+AGAIN = ("retry", "memory", "lost", "crashed", "running")  # `running` after all has ended: the machine went down
 SQUARE = 16  # pixels
 
 
@@ -30,7 +29,7 @@ def result_of(status):
 
 
 def write_json(path, value):
-    """Whole or not at all."""
+    """Writes a file. Readers see the whole content, or that of before."""
     beside = f"{path}.{os.getpid()}.part"
     with open(beside, "w", encoding="utf-8") as out:
         json.dump(value, out, indent=1)
@@ -106,15 +105,15 @@ class Job:
 
     @property
     def files(self):
-        """The patterns of further files, which jobs made before there were any do not have."""
+        """The patterns of further files. Jobs of earlier versions have none."""
         return self.data.get("files", [])
 
     def outputs(self, frame):
-        """The pictures of a frame that the shot ends with."""
+        """The finished pictures of a frame: flat, deep, further files."""
         return [at_frame(p, frame) for p in (self["output"], self["deep"], *self.files) if p]
 
     def results(self, frame):
-        """All files of a frame that the shot ends with: its pictures, and the preview that is made of them last."""
+        """All finished files of a frame: `outputs`, and the preview, which is made last."""
         return self.outputs(frame) + ([at_frame(self["preview"], frame)] if self["preview"] else [])
 
     def is_finished(self, frame):
@@ -133,7 +132,7 @@ class Job:
         return [at_frame(pattern, frame) for pattern in patterns]
 
     def file_patterns(self, tile):
-        """Those of the further files of a tile."""
+        """The patterns of the further files of a tile."""
         return [self.tile_pattern(tile, f"file{place}.######.exr") for place in range(2, len(self.files) + 2)]
 
     def lossy(self):
@@ -178,7 +177,7 @@ class Job:
         write_json(path, state)
 
     def attempts(self):
-        """For each kind, frame and tile all attempts there were, in their order."""
+        """All attempts, in their order, by (kind, frame, tile)."""
         found = {}
         folder = self.path("state")
         for name in sorted(os.listdir(folder)):
@@ -190,7 +189,7 @@ class Job:
         return found
 
     def log(self, text):
-        """A line of the job's own log."""
+        """Appends a line to the log of the job."""
         with open(self.path("log", "farm.log"), "a", encoding="utf-8") as out:
             out.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')} {text}\n")
 

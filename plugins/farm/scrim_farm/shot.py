@@ -28,7 +28,7 @@ def parse_size(text):
 
 def resolved_sets(render, given, simd):
     """--set arguments that leave a task nothing to choose. `render`: of `scrim plan --json`; `given`: of the scene."""
-    if "tolerance" in given:  # which chooses picture by picture
+    if "tolerance" in given:  # a tolerance chooses dials anew for each picture
         render = {key: render[key] for key in ("cross_fade", "simd")}
     machine = "avx2" if render["simd"] == "auto" else render["simd"]
     return [toml_text.assignment(f"render.{key}", value) for key, value in (render | {"simd": simd or machine}).items()]
@@ -78,7 +78,7 @@ def stem_of(path):
 
 
 def check_outputs(outputs, frames):
-    """That frames have files of their own, whose names are known."""
+    """Raises Failure unless each frame has files of its own, whose names are known."""
     for pattern in (output["pattern"] for output in outputs.values()):
         if len(frames) > 1 and at_frame(pattern, 1) == at_frame(pattern, 2):
             raise Failure(f"all {len(frames)} frames would be written to '{pattern}'; put #### into its name")
@@ -87,7 +87,7 @@ def check_outputs(outputs, frames):
 
 
 class Shot:
-    """The scene of a job, with all that is resolved of it."""
+    """The scene of a job, with the values that the program resolved."""
 
     def __init__(self, options, scrim, frame, folder):
         self.scrim, self.frame = scrim, frame
@@ -105,7 +105,7 @@ class Shot:
             self.arguments += ["--set", value]
 
     def _ask(self, command, *more):
-        """What the program answers; what it refuses is refused here in its words."""
+        """The answer of the program. Raises Failure with its words where it refuses."""
         answer = program.ask([self.scrim, command, self.path, *self.arguments, f"--frames={self.frame}", *more])
         for text in answer.warnings:
             print("scrim: warning:", text)
@@ -122,13 +122,13 @@ class Shot:
         self.path, self.arguments = path, []
 
     def _output_tables(self):
-        """That of the picture, and those of the further files."""
+        """The table [output] of the picture, and those of the further files."""
         output = self.scene.get("output", {})
         first, *others = output if isinstance(output, list) else [output]
         return [first, *first.get("files", []), *others]
 
     def _outputs_of(self, options):
-        """What the command line says of them."""
+        """The options of the command line that name outputs."""
         given = ["--deep", options.deep] if options.deep else []
         if options.output:
             return [*given, "-o", options.output]
@@ -136,7 +136,7 @@ class Shot:
         return given if has_own else [*given, "-o", pattern_of(stem_of(options.scene)) + ".####.exr"]
 
     def lossy_compressions(self):
-        """Those of the picture and of each further file; "": it has a lossless one."""
+        """The lossy compressions of the picture and of each further file; "": it is lossless."""
         stated = [output.get("compression") for output in self._output_tables()]
         return ["dwaa" if (it or stated[0]) == "dwaa" else "" for it in stated]
 

@@ -23,7 +23,7 @@ def clean_environment():
 
 
 def ask(command):
-    """What a command of Slurm's prints, or "" where it fails or is not there."""
+    """The standard output of a command of Slurm's; "" where the command fails or is missing."""
     try:
         return subprocess.run(command, capture_output=True, text=True, timeout=SBATCH_SECONDS, check=False,
                               env=clean_environment()).stdout
@@ -32,7 +32,7 @@ def ask(command):
 
 
 class Submission:
-    """Of one round: 1 is what a user submits, further ones what checks do."""
+    """The submission of a round: round 1 is the user's, those after it are the checks'."""
 
     def __init__(self, job, round_number, dry):
         self.job, self.round, self.dry = job, round_number, dry
@@ -44,12 +44,12 @@ class Submission:
         path = self.job.path("submitted", f"{name}.sh")
         with open(path, "w", encoding="utf-8") as out:
             words = shlex.join([sys.executable or "/usr/bin/python3", ISOLATED, PROGRAM, *arguments])
-            # exec: a signal to the job is one to the task.
+            # With exec, the task is the process that gets the job's signals.
             out.write(f'#!/bin/sh\nexec {words}{" $SLURM_ARRAY_TASK_ID" if "--task" in arguments else ""}\n')
         return path
 
     def _sbatch(self, name, arguments, options):
-        folder = self.job.path("log").replace("%", "%%")  # Slurm has patterns of its own
+        folder = self.job.path("log").replace("%", "%%")  # Slurm takes % for patterns of its own
         log = os.path.join(folder, f"{name}-%A_%a.log" if "--task" in arguments else f"{name}-%j.log")
         command = ["sbatch", "--parsable", f"--job-name={self.job['name']}-{name}", f"--output={log}",
                    "--open-mode=append", "--requeue", "--nodes=1", "--ntasks=1", *options]
@@ -104,7 +104,7 @@ def submit_first(job, dry):
             name = "render" + (f"-tile{tile}" if tile >= 0 else "") + part
             tiles.append(sub.array(name, [Task("render", c, tile) for c in chunks], job["memory"]))
         if job.tiled:
-            # Where a tile fails its merge is taken out; the check submits both anew.
+            # If a tile fails, Slurm cancels its merge; the check submits both anew.
             last.append(sub.array("merge" + part, [Task("merge", c) for c in chunks], PART_SMALLEST,
                                   [f"--dependency=aftercorr:{':'.join(tiles)}", "--kill-on-invalid-dep=yes"]))
         last += tiles
@@ -113,7 +113,7 @@ def submit_first(job, dry):
 
 
 def submit_again(job, again, merges, round_number, delay=0, dry=False):
-    """Some tasks, an array for each amount of memory."""
+    """Submits tasks anew, in an array for each amount of memory."""
     sub = Submission(job, round_number, dry)
     begin = [f"--begin=now+{delay}"] if delay else []
     ids = []
@@ -155,8 +155,8 @@ def fields_of(line, job_name):
 
 
 def keep_faults(job, round_number):
-    """What Slurm itself says of tasks that did not succeed, as long as it remembers; and those that were cancelled
-    before they began."""
+    """Writes into faults.log what Slurm says of tasks that did not succeed, while Slurm still knows them. Returns the
+    keys of the tasks that were cancelled."""
     cancelled, text = set(), ""
     for name, number in submitted(job).items():
         if not name.startswith(f"r{round_number}-") or name.endswith("-check"):
@@ -187,7 +187,7 @@ def indices_of(text):
 
 
 def follow(job, round_number):
-    """The check behind a round. 0 where all is there, or more was submitted."""
+    """The check after a round. Returns 0 where everything is there, or where tasks were submitted anew."""
     cancelled = keep_faults(job, round_number)
 
     def is_cancelled(task, last):
@@ -209,9 +209,9 @@ def follow(job, round_number):
 
 
 def resume(job, dry):
-    """Submits all that is missing, whatever became of it before."""
+    """Submits everything that is missing, even tasks that were given up."""
     rounds = [int(m[1]) for n in os.listdir(job.path("submitted")) if (m := re.match(r"r(\d+)-", n))]
-    running = ask(["squeue", "--noheader", "--format=%F"]).split()  # of an array: the number of the whole
+    running = ask(["squeue", "--noheader", "--format=%F"]).split()  # %F: the id of the whole array
     if set(running) & set(submitted(job).values()):
         raise Failure(f"jobs of {job['name']} are still in Slurm's queue; wait, or scancel them", 1)
     attempts = job.attempts()

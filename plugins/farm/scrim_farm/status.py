@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What of a job is there, what is missing, and why."""
+"""The files of a job that are there, those that are missing, and why."""
 import os
 
 from scrim_kit import program
@@ -9,7 +9,7 @@ from .job import AGAIN, DONE
 
 
 def broken_files(job):
-    """Pictures that are there and not whole: copies that were broken off, disks that failed."""
+    """Pictures that are there, but not whole: a copy was interrupted, or a disk failed."""
     there = [path for frame in job["frames"] for path in job.outputs(frame) if os.path.isfile(path)]
     broken = []
     for i in range(0, len(there), 500):
@@ -30,7 +30,7 @@ def reason_of(attempts, task, frame):
 
 
 def warnings_of(job, attempts):
-    """Of what is done but with exit status 5: frames by what was said."""
+    """Frames that ended with exit status 5, by the text of their warning."""
     said = {}
     for (kind, frame, _tile), tried in attempts.items():
         if kind == "render" and tried[-1]["result"] == "warned" and frame in job["frames"]:
@@ -50,7 +50,7 @@ def print_status(job):
         for frame in task.frames:
             result, text = reason_of(attempts, task, frame)
             if task.kind == "merge" and result == "waiting":
-                continue  # its tiles say why
+                continue  # the reasons of its tiles are printed
             what = "merge" if task.kind == "merge" else "picture" if task.tile < 0 else f"tile {task.tile}"
             reasons.setdefault((what, text), []).append(frame)
     for (what, text), frames in sorted(reasons.items()):
@@ -69,7 +69,7 @@ def print_status(job):
 
 
 def next_tasks(job, attempts, is_cancelled=lambda task, last: False):
-    """What to submit anew, with its memory, and what is given up: ([(task, memory)], [merge], [(task, text)])."""
+    """([(task to submit anew, its memory)], [merge to submit anew], [(task that is given up, why)])."""
     again, given_up, stuck = [], [], set()
     renders, merges = job.missing()
     for task in renders:

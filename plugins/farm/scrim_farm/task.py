@@ -20,7 +20,7 @@ PART_OF_MEMORY = 0.85  # for volumes and buffers; the rest is the program itself
 
 
 def machine_problem(job):
-    """Why a picture made here would not be that of the other machines; "": it would."""
+    """Why pictures of this machine would differ from those of the others; "": they would not."""
     try:
         with open(job["scene"], "rb") as text:
             if hashlib.sha256(text.read()).hexdigest() != job["digest"]:
@@ -52,7 +52,7 @@ def render_command(job, task, memory, progress):
         command += ["--deep", job.tile_pattern(task.tile, "deep.######.exr")]
     for pattern in job.file_patterns(task.tile):
         command += ["--file", pattern]
-    if job["preview"]:  # the whole gets one later
+    if job["preview"]:  # only the merged picture gets a preview
         command += ["--preview", job.tile_pattern(task.tile, "preview.######.png")]
     for key, _ in job.lossy().values():
         command += ["--set", toml_text.assignment(key, "zip")]
@@ -60,7 +60,7 @@ def render_command(job, task, memory, progress):
 
 
 def merge_commands(job, frame):
-    """Those that make a frame of its tiles, and its preview."""
+    """The commands that merge the tiles of a frame, and make its preview."""
     commands, lossy = [], job.lossy()
     for place, whole in enumerate(job.outputs(frame)):
         if os.path.isfile(whole):
@@ -88,7 +88,7 @@ def was_out_of_time(status, seconds):
 
 
 class Runner:
-    """One program after the other; a signal to stop reaches the one that runs."""
+    """Runs one program after the other. A signal to stop is passed on to the program that runs."""
 
     def __init__(self):
         self.child = None
@@ -107,13 +107,14 @@ class Runner:
         self.last = line.strip() or self.last
 
     def run(self, command):
-        """Its exit status, 128 + N where signal N ended it; the last line on its standard error is kept."""
+        """Runs a program. Returns its exit status, 128 + N where signal N ended it. Keeps its last line on standard
+        error in `last`."""
         if self.stopped:
             return 128 + self.stopped
         print("+", shlex.join(command), flush=True)
         before = seconds_of_children()
         self.child = Child(command, reads_output=False)
-        if self.stopped:  # in the meantime
+        if self.stopped:  # the signal came before the program was started
             self.child.signal(self.stopped)
         ended = self.child.wait(told=self._told)
         if was_out_of_time(ended.returncode, seconds_of_children() - before):
@@ -159,7 +160,7 @@ def run_task(job, task, memory=0, progress="none"):
         status = do_merge(job, task, runner)
     else:
         status = runner.run(render_command(job, task, memory, progress))
-    if runner.stopped and not runner.last:  # told twice to stop, scrim says nothing
+    if runner.stopped and not runner.last:  # scrim writes no last line when it is told twice to stop
         runner.last = f"stopped by {signal.Signals(runner.stopped).name}"
     attempt |= {"ended": time.time(), "status": status, "result": result_of(status), "last": runner.last}
     job.note(task, attempt)

@@ -11,7 +11,8 @@ from .failure import Failure
 
 
 class Photometry:
-    """Candelas of a file of type C, for each horizontal angle those of all vertical ones; angles in degrees."""
+    """A file of type C. `vertical`, `horizontal`: angles in degrees. `candelas`: for each horizontal angle, a list of
+    the values at all vertical angles. `largest`: the largest of them."""
 
     def __init__(self, path: str | Path) -> None:
         try:
@@ -21,7 +22,7 @@ class Photometry:
             words = " ".join(lines[1:]).replace(",", " ").replace("\x1a", " ").split()
             if lines[0].partition("=")[2].strip() == "INCLUDE":
                 words = words[2 + 2 * int(words[1]) :]
-            # The multiplier, the ballast's factor, and that of this lamp with it.
+            # The multiplier, the ballast factor, and the factor of the lamp with this ballast.
             factor = float(words[2]) * float(words[10]) * float(words[11])
             vertical, horizontal = int(words[3]), int(words[4])
             if words[5] != "1":
@@ -47,7 +48,8 @@ class Photometry:
         rows = [self._around(v) for v in range(len(self.vertical))]
         total = 0.0
         for v in range(len(rows) - 1):
-            # The angle's part of the sphere, weighted towards either of its ends as linear interpolation has it.
+            # Candelas are linear in the angle t from a to b. Their weights are the integrals over t of
+            # sin(t) (b - t) / (b - a) and sin(t) (t - a) / (b - a).
             a, b = (math.radians(x) for x in self.vertical[v : v + 2])
             first = math.cos(a) - (math.sin(b) - math.sin(a)) / (b - a)
             second = (math.sin(b) - math.sin(a)) / (b - a) - math.cos(b)
@@ -56,8 +58,8 @@ class Photometry:
 
     @property
     def mean(self) -> float:
-        """The mean of the candelas over the sphere, or over half of it where the vertical angles span no more: what
-        UsdLux' normalize divides by (OpenUSD's pxrIES.cpp, where it says that RenderMan and Karma do)."""
+        """The mean of the candelas over the sphere, or over the half sphere that the vertical angles span. UsdLux'
+        normalize divides by it: OpenUSD's pxrIES.cpp, which says that RenderMan and Karma do the same."""
         whole = math.radians(self.vertical[-1] - self.vertical[0]) > math.pi / 2 + 0.1
         return self.power / (math.pi * (4 if whole else 2))
 
@@ -67,7 +69,7 @@ class Photometry:
         if len(column) == 1:
             return 2 * math.pi * column[0]
         angles, covered = self.horizontal, self.horizontal[-1] - self.horizontal[0]
-        if covered > 180:  # the last angle may be left out: it is the first
+        if covered > 180:  # a whole turn; files may leave out its last angle, 360, which is the first one
             angles, column, covered = [*angles, 360.0 + angles[0]], [*column, column[0]], 360.0
         pairs = zip(zip(angles, angles[1:]), zip(column, column[1:]))
         return sum(math.radians(b - a) * (p + q) / 2 for (a, b), (p, q) in pairs) * 360 / covered

@@ -20,7 +20,7 @@ def write(path: str | os.PathLike[str], points: object, triangles: object) -> No
         f"element vertex {len(xyz) // 12}\nproperty float x\nproperty float y\nproperty float z\n"
         f"element face {count}\nproperty list uchar int vertex_indices\nend_header\n"
     )
-    # Byte by byte of all faces at once: a loop over faces takes fifty times as long.
+    # One byte of all faces at a time: a loop over faces takes fifty times as long.
     faces = bytearray(_FACE * count)
     faces[::_FACE] = b"\x03" * count
     for i in range(12):

@@ -73,7 +73,7 @@ class Ended:
 
     @property
     def reason(self) -> str:
-        """Why the program failed, in one line: its last one, without the program's name."""
+        """Why the program failed: its last line on standard error, without the program's name."""
         last = next((line for line in reversed(self.told) if line.strip()), "")
         if last.startswith(_ERROR):
             return last[len(_ERROR) :]
@@ -118,7 +118,7 @@ class Child:
 
         try:
             self._listen(hear, cancelled)
-            while process.poll() is None:  # it closed its pipes before
+            while process.poll() is None:  # its pipes are closed, but it still runs
                 _check(cancelled)
                 time.sleep(_POLL_SECONDS)
             return Ended(process.returncode, lines, "".join(output))
@@ -158,7 +158,7 @@ class Background:
         return self._process.poll() is not None
 
     def result(self) -> Ended:
-        """How it ended, once it has."""
+        """How the run ended. The run must have ended."""
         with open(self._told, encoding="utf-8", errors="replace") as file:
             return Ended(self._process.returncode, file.read().splitlines())
 
@@ -212,7 +212,7 @@ class _Lines:
         return [line.decode(errors="replace") for line in lines]
 
     def end(self) -> bytes:
-        """What makes a line of the rest."""
+        """Takes the rest, which has no end of line, as a line."""
         return b"\n" if self._rest else b""
 
 
@@ -222,7 +222,7 @@ def _check(cancelled: Callable[[], bool] | None) -> None:
 
 
 def _progress_of(line: str) -> float | None:
-    """0 to 1 by a line of `--progress json`; None for other lines."""
+    """The finished part, 0 to 1, that a line of `--progress json` tells; None for other lines."""
     try:
         return json.loads(line)["progress"] / 100
     except (ValueError, KeyError, TypeError):
@@ -245,7 +245,7 @@ def _end_with(parent: int) -> Callable[[], None]:
     def prepare() -> None:
         if _prctl is not None:
             _prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-            if os.getppid() != parent:  # it was too late
+            if os.getppid() != parent:  # the parent ended before this call
                 os._exit(143)
 
     return prepare

@@ -54,7 +54,7 @@ def document(scene: Mapping[str, object]) -> str:
 
 
 def _is_list(it: object) -> bool:
-    """Whether it has items in an order. Vectors of Blender do, and are no Sequence of Python's."""
+    """Whether `it` has items in an order. Vectors of Blender have, though they are no Sequence of Python's."""
     return hasattr(it, "__len__") and hasattr(it, "__getitem__") and not isinstance(it, (bytes, bytearray))
 
 
@@ -73,7 +73,7 @@ def _key(name: object) -> str:
 
 
 def _is_section(it: object, top: bool) -> bool:
-    """Whether it gets a line [section]: small tables within sections stay in one line."""
+    """Whether a table gets a line [section]. A table that holds no table stays in one line within its section."""
     return isinstance(it, Mapping) and (top or any(isinstance(v, Mapping) for v in it.values()))
 
 

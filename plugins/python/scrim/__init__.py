@@ -31,9 +31,13 @@ except ModuleNotFoundError as error:
     from ._other_python import advice
 
     raise ImportError(advice()) from None
+from . import _viewing
 from .view import shown as _shown
+from .view import shown_stage as _shown_stage
 
-Shot.view = _shown  # of the package in Python, which the module in C++ does not know
+# The viewer stands above the shots that it shows: neither the module in C++ nor `scrim.usd` can import it.
+Shot.view = _shown
+_viewing.shown_stage = _shown_stage
 
 __all__ = [
     "AccuracyError",

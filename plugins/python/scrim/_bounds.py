@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the volumes of a scene are, as the program describes their files: nothing is loaded for it."""
+"""Boxes around the volumes of a scene, from the program's description of their files. No voxels are loaded."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ class Places:
         self._asked: set[State] = set()
 
     def of(self, volumes: Mapping[str, Mapping]) -> Box | None:
-        """As far as it is known."""
+        """The box of those volumes whose boxes are known."""
         return _box(volumes, self._corners)
 
     @property
     def waits(self) -> bool:
-        """Whether more will come."""
+        """Whether the program is still being asked."""
         return bool(self._asked)
 
     def ask_again(self) -> None:
-        """Forgets what could not be read."""
+        """Asks anew for files that could not be read."""
         self._known = {state: corners for state, corners in self._known.items() if corners}
 
     def _corners(self, file: str) -> Iterable[np.ndarray]:

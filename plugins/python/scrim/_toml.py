@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes and overrides in Python's words as TOML. What has no text in TOML is a UsageError."""
+"""Scenes and overrides as TOML. A value that TOML cannot hold is a UsageError."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Volumes(list):
-    """The names of a shot's volumes, in the scene's order. With a name as its index, it gives that volume."""
+    """The names of a shot's volumes, in the scene's order. `volumes[name]` is the Volume of this name."""
 
     def __init__(self, shot: Shot, names: list[str]) -> None:
         super().__init__(names)
@@ -34,7 +34,7 @@ class Volumes(list):
 
 
 class Volume:
-    """A volume of a shot. What is set overrides the scene in all frames, as `Shot.set` does."""
+    """A volume of a shot. Assignments override the scene in all frames, as `Shot.set` does."""
 
     def __init__(self, shot: Shot, name: str) -> None:
         self._shot = shot

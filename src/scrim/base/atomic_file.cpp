@@ -28,8 +28,8 @@ namespace scrim {
 
 namespace {
 
-// The registry is the only global of this folder, because a signal handler cannot receive an argument. A slot is
-// written by its owner while `claimed`, and read by a handler only while `active`.
+// The registry is global because a signal handler cannot receive an argument. A slot is written by its owner while
+// `claimed`, and read by a handler only while `active`.
 enum SlotState : int { kFree, kClaimed, kActive };
 
 struct Slot {

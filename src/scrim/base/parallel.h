@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parallel loops. This header hides oneTBB; nothing else in Scrim includes it, so that the one place where order could
-// become random is easy to check: tasks are independent, and no result depends on which thread runs which task.
+// Parallel loops. This header hides oneTBB from the library, in which only parallel.cpp runs loops by it: so the one
+// place where order could become random is easy to check. Tasks are independent, and no result depends on which
+// thread runs which task. Beyond the library, the module for AX runs a loop over leaves by oneTBB
+// (src/modules/ax_together.cpp).
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parts that flat and deep OpenEXR files share: the header, the output stream, and the report of failures. For code
-// that writes them; this is the only header that includes OpenEXR.
+// that writes them. No other header than this and exr_tile.h, for code that merges them, includes OpenEXR.
 #pragma once
 
 #include <scrim/base/atomic_file.h>

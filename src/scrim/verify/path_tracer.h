@@ -33,8 +33,8 @@ class PathTracer {
     /// Premultiplied radiance, averaged over pixel (x, y), of light from lights that has scattered at least twice, and
     /// of ambient light and emission that has scattered at least once. Classified volumes scatter it where they are
     /// Classified::scatters. Solids that stop light send their albedo's part of it back, which counts as scattering;
-    /// what the eye sees last is a volume. Of all its scattering, volumes whose media do not scatter fully may do one.
-    /// Averages `paths` paths; each `seed` gives a different set.
+    /// what the eye sees last is a volume. A path scatters any number of times in volumes whose media scatter fully,
+    /// and at most once in all other volumes together. Averages `paths` paths; each `seed` gives a different set.
     Estimate pixel(int x, int y, int paths, std::uint64_t seed = 1) const;
 
   private:

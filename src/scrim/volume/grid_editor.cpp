@@ -68,7 +68,7 @@ void clip(Grid& grid, const Bounds& ws) {
 openvdb::GridBase::Ptr refined(const openvdb::GridBase& grid, double factor, const std::string& where) {
     if (!grid.transform().isLinear())
         throw Error(ErrorKind::input,
-                    fmt::format("{}: grid '{}' has a transform that is not affine; expected 'resample' for none such",
+                    fmt::format("{}: grid '{}' has a transform that is not affine; 'resample' expects an affine one",
                                 where, shortened(grid.getName(), 80)));
     const double voxels = static_cast<double>(grid.activeVoxelCount()) * factor * factor * factor;
     if (voxels > kMostVoxels)

@@ -15,8 +15,8 @@
 
 namespace scrim {
 
-/// The message about a small file for which memory is insufficient, unless less memory is available than files are
-/// given.
+/// How the error ends that reading a file of less than 16 MiB raises where memory does not suffice. If the system
+/// limits memory to less than LoadOptions::kLeastMemory, guarded_load.cpp replaces it by an error about that limit.
 constexpr const char* kClaimsMemory = "it claims more memory than its size allows";
 
 /// Must not be used from several threads at once.
@@ -55,7 +55,7 @@ class VdbBytes {
 
 /// Open files; where they are those of one volume, the first is its own.
 using VdbFiles = std::vector<std::unique_ptr<VdbBytes>>;
-/// Opens `path`, and all `others` but their first, which stands for it.
+/// Opens `path`, then others[1], others[2] and so on. others[0] is another name of the file `path` (GridEdit::files).
 VdbFiles openFiles(const std::string& path, std::span<const std::string> others);
 
 /// Reads one item after another; `what` names the item in errors.

@@ -5,6 +5,8 @@ import shlex
 import shutil
 import subprocess
 import sys
+import threading
+import time
 import zipfile
 
 import numpy
@@ -18,7 +20,7 @@ pytest.importorskip("pxr", reason="usd-core is not installed")
 from conftest import PROGRAM  # noqa: E402
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdRender  # noqa: E402
 from usd_stages import lit_fog_stage, write_fog  # noqa: E402
-from viewing import Viewer  # noqa: E402
+from viewing import PATIENCE, Browser, Door, Serving, Viewer  # noqa: E402
 
 import scrim.usd  # noqa: E402
 import scrim.view._document  # noqa: E402
@@ -63,6 +65,18 @@ def test_a_stage_is_seen_through_its_other_cameras(browser):
     assert numpy.array_equal(browser.until_exact(), front)
     browser.send(type="camera", name="/key")
     assert "no camera '/key'" in browser.until(lambda m: m["type"] == "error")["text"]
+
+
+def test_a_stage_is_shown_in_a_notebook_with_its_cameras(stage):
+    shot = scrim.usd.open(stage, {"light.key.intensity": 7.0})
+    view = shot.view(height=300)
+    assert 'height="300"' in view._repr_html_()
+    browser = Browser(Door(view.url))
+    assert numpy.array_equal(browser.until_exact(), shot.render().image.astype(numpy.float16))
+    assert browser.state["cameras"] == ["/cam", "/World/side"]
+    browser.close()
+    view.close()
+    assert "intensity = 7.0" in view.toml
 
 
 def test_a_saved_stage_keeps_its_solids(browser, stage):
@@ -218,6 +232,116 @@ def test_frames_of_a_stage_play_and_are_kept(moving, browser):
     browser.until_exact()
     frame = browser.state["frame"]
     assert numpy.array_equal(browser.pictures["beauty"], half(scrim.usd.open(moving).render(frame)))
+
+
+class Held:
+    """A viewer of this process, whose stage's method `name` waits in each call until `may_go_on` is set, or for a third
+    of PATIENCE. `arguments`: of all calls. `was_let_go`: whether each call went on because of `may_go_on`. `problems`:
+    what the next calls raise; None: nothing."""
+
+    def __init__(self, path, name, monkeypatch):
+        self.arguments, self.was_let_go, self.problems = [], [], []
+        self.begun, self.may_go_on = threading.Event(), threading.Event()
+        self.may_go_on.set()
+        right = getattr(scrim.usd.Shot, name)
+        monkeypatch.setattr(scrim.usd.Shot, name, lambda shot, it: self._call(right, shot, it))
+        self.serving = Serving(lambda: scrim.view._opening.opened(str(path)))
+        self.browser = Browser(self.serving)
+        self.browser.until_exact()
+        self.may_go_on.clear()
+        self.begun.clear()
+        self.arguments, self.was_let_go = [], []
+
+    def _call(self, right, shot, it):
+        self.arguments.append(it)
+        self.begun.set()
+        self.was_let_go.append(self.may_go_on.wait(PATIENCE / 3))
+        if self.problems and (problem := self.problems.pop(0)) is not None:
+            raise problem
+        return right(shot, it)
+
+
+@pytest.fixture
+def hold(moving, monkeypatch):
+    made = []
+
+    def hold(name):
+        made.append(Held(moving, name, monkeypatch))
+        return made[0]
+
+    yield hold
+    made[0].may_go_on.set()
+    made[0].browser.close()
+    made[0].serving.end()
+
+
+@pytest.mark.parametrize(
+    ("name", "message", "frame", "camera"),
+    [
+        ("toml", {"type": "frame", "number": 3}, 3, None),
+        ("through", {"type": "camera", "name": "/World/side"}, 1, "/World/side"),
+    ],
+)
+def test_others_are_answered_while_a_stage_is_read(hold, moving, name, message, frame, camera):
+    held = hold(name)
+    browser, other = held.browser, Browser(held.serving)
+    browser.send(**message, done=True)
+    assert held.begun.wait(PATIENCE)
+    assert held.serving.get("/page.js")[0] == 200 and held.was_let_go == []
+    browser.until(lambda m: m["type"] == "state" and m["message"].startswith("reading the "))
+    other.serial = browser.serial
+    other.send(type="set", id="light.key.intensity", value=7.0, done=True)
+    other.until(lambda m: m["type"] == "state" and m["serial"] == other.serial)
+    other.until(lambda m: m["type"] == "pictures" and m["exact"])
+    assert other.head["serial"] < browser.serial and other.state["frame"] == 1  # the browser's event still waits
+    held.may_go_on.set()
+    browser.serial = other.serial
+    picture = browser.until_exact()
+    assert held.was_let_go == [True]
+    right = scrim.usd.open(moving, {"light.key.intensity": 7.0}, camera=camera).render(frame)
+    assert numpy.array_equal(picture, half(right)) and browser.state["message"] == ""
+    other.close()
+
+
+def test_of_frames_that_wait_for_the_stage_only_the_last_one_is_read(hold):
+    held = hold("toml")
+    for number in (2, 3, 1, 3):
+        held.browser.send(type="frame", number=number, done=False)
+        assert held.begun.wait(PATIENCE)
+    held.browser.send(type="rest")  # is heard after the frames
+    held.browser.until(lambda m: m["type"] == "state" and m["serial"] == held.browser.serial)
+    held.may_go_on.set()
+    held.browser.until_exact()
+    assert held.arguments == [2, 3] and held.browser.state["frame"] == 3
+
+
+def test_a_frame_that_is_read_when_playing_ends_is_not_gone_to(hold):
+    held = hold("toml")
+    held.browser.send(type="play", on=True)
+    assert held.begun.wait(PATIENCE)
+    held.browser.send(type="play", on=False)
+    held.browser.until(lambda m: m["type"] == "state" and m["serial"] == held.browser.serial)
+    held.may_go_on.set()
+    while held.serving.server.session._stage.turns.is_busy:
+        time.sleep(0.01)
+    held.browser.send(type="rest")
+    held.browser.until(lambda m: m["type"] == "state" and m["serial"] == held.browser.serial)
+    assert held.browser.state["frame"] == 1 and held.arguments == [2]
+
+
+def test_what_is_wrong_with_a_frame_of_a_stage_is_told_and_the_frame_stays(hold):
+    held = hold("toml")
+    browser = held.browser
+    held.may_go_on.set()
+    for message in ({"type": "play", "on": True}, {"type": "frame", "number": 2, "done": True}):
+        held.problems = [scrim.InputError("shot.usda: the fog is gone")]
+        browser.send(**message)
+        assert browser.until(lambda m: m["type"] == "error")["text"] == "shot.usda: the fog is gone"
+        browser.until(lambda m: m["type"] == "state" and m["serial"] == browser.serial and not m["playing"])
+        assert browser.state["frame"] == 1
+    browser.send(type="frame", number=2, done=True)
+    browser.until_exact()
+    assert browser.state["frame"] == 2
 
 
 def test_a_stage_that_is_saved_is_the_scene_of_the_frame_that_is_shown(moving, browser):

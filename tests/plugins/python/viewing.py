@@ -7,6 +7,7 @@ import json
 import struct
 import subprocess
 import sys
+import threading
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -14,6 +15,9 @@ import urllib.request
 import numpy
 import tornado.httpclient
 import tornado.websocket
+
+import scrim
+from scrim.view import _door, _server
 
 PATIENCE = 60  # seconds
 
@@ -74,6 +78,38 @@ class Door:
                 return reply.status, reply.read(), reply.headers
         except urllib.error.HTTPError as error:
             return error.code, error.read(), error.headers
+
+
+class Serving:
+    """A server of this process, in a thread: `opening` gives what it shows."""
+
+    def __init__(self, opening):
+        self.door = _door.Door()
+        self.server, self.problem = _server.Server(opening, self.door), None
+        self.port, self.token = self.door.port, self.door.token
+        self.socket = f"ws://127.0.0.1:{self.port}/socket?token={self.token}"
+        self.thread = threading.Thread(target=self._run, daemon=True)
+        self.thread.start()
+
+    def _run(self):
+        async def serve():
+            self.loop = asyncio.get_running_loop()
+            await self.server.run()
+
+        try:
+            asyncio.run(serve())
+        except scrim.Error as problem:
+            self.problem = problem
+
+    def get(self, path):
+        return Viewer.get(self, path)
+
+    _opener = staticmethod(Viewer._opener)
+
+    def end(self):
+        self.loop.call_soon_threadsafe(self.server.end)
+        self.thread.join(PATIENCE)
+        assert not self.thread.is_alive()
 
 
 class Browser:

@@ -182,6 +182,15 @@ TEST_F(GridEditTest, RefusesToRefineWithoutBounds) {
               "s.toml:7:1: " + path() + ": grid 'density' would have 5.5e+11 voxels; expected at most 1e+09");
 }
 
+TEST_F(GridEditTest, RefusesToRefineAFrustum) {
+    makeVdb(path(), {{.voxels = box({2, 2, 2}, {14, 14, 14}, 1), .voxelSize = 0.5, .frustum = true}});
+    GridEdit edit;
+    edit.resample = 2;
+    edit.where = "s.toml:7:1";
+    const std::string wrong = ": grid 'density' has a transform that is not affine; 'resample' expects an affine one";
+    EXPECT_EQ(failure(edit), "s.toml:7:1: " + path() + wrong);
+}
+
 #ifdef SCRIM_WITH_AX
 
 TEST_F(GridEditTest, RunsAtEachVoxelWithItsPlace) {

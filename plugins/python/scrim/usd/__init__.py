@@ -8,7 +8,8 @@
         shot.render(frame).write("plume.####.exr")
     print(*shot.warnings, sep="\\n")     # what could not be mapped, prim by prim
 
-Frames are the stage's time codes, and world units are its units. Each frame is read from the stage as it is there.
+Frames are the stage's time codes, and world units are its units. The scene of a frame is read from the stage at the
+frame's time code.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ _PURPOSES = ("default", "render", "proxy", "guide")
 
 
 def __getattr__(name: str) -> object:
-    # Where OpenUSD is missing, that is said when a stage is opened.
+    # A missing OpenUSD is an error when a stage is opened, not when this package is imported.
     if name == "Shot":
         from ._shot import Shot
 
@@ -77,15 +78,18 @@ def open(
 ) -> Shot:
     """Opens a stage: .usd, .usda, .usdc or .usdz.
 
-    `overrides`: of the scenes that are made of it, as for `scrim.open`.  `camera`: its path, or its name where that is
-    unique; None: that of the settings, the only one, or one that frames the volumes where the stage has none.
-    `settings`: the path of a RenderSettings; None: those that the stage names, or its only ones.  `purpose`: what is
-    drawn; None: what the settings include, or default and render.
+    `overrides`: values of the scenes that the stage becomes, as for `scrim.open`.  `camera`: the path of a camera, or a
+    name that only one camera has; None: the camera that the settings name, else the stage's only camera, else, in a
+    stage without cameras, one that frames the volumes.
+    `settings`: the path of a RenderSettings; None: the RenderSettings that the stage names, else its only one.
+    `purpose`: the purposes of the prims that are read; None: the includedPurposes of the settings, else default and
+    render.
     `sidecar`: a TOML file of tables keyed by prim paths, for media and all else that a stage cannot say.
-    `distant`: 'radiance' reads a DistantLight as UsdLux 25.05 defines it; 'irradiance' takes its intensity as what
-    faces it gets, whatever its angle, as many renderers did before.  `meshes`: do they hide volumes and shadow them
-    ('holdout'), shadow them alone ('shadows'), or nothing ('none')?  `resolution`: width, height in place of the
-    settings'.  `ocio`, `guarded`: as for `scrim.open`.
+    `distant`: 'radiance' reads a DistantLight as UsdLux 25.05 defines it; 'irradiance' takes its intensity as the
+    irradiance of a surface that faces the light, whatever the light's angle, as many renderers did before.
+    `meshes`: 'holdout': meshes hide volumes and cast shadows on them; 'shadows': they cast shadows only; 'none':
+    neither. `resolution`: (width, height) in place of the settings' resolution.  `ocio`, `guarded`: as for
+    `scrim.open`.
     """
     _need_openusd()
     from ._reading import Options

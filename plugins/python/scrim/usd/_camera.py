@@ -11,7 +11,7 @@ from . import _laws, _own
 from ._reading import Item, Reading, rows
 from ._settings import Settings
 
-_WIDTH = 960  # of a picture that nobody gave a size
+_WIDTH = 960  # pixels; the width of a picture whose size nobody gave
 
 
 def cameras_of(stage: Usd.Stage) -> list[Usd.Prim]:
@@ -23,7 +23,7 @@ def paths_of(stage: Usd.Stage) -> list[str]:
 
 
 def prim_of(reading: Reading, settings: Settings) -> Usd.Prim | None:
-    """None where the stage has no camera, and nobody asked for one."""
+    """The camera that the stage is seen through; None where the stage has no camera, and nobody asked for one."""
     cameras = cameras_of(reading.stage)
     there = ", ".join(paths_of(reading.stage))
     wanted = reading.options.camera
@@ -94,7 +94,7 @@ def _frame(reading: Reading, prim: Usd.Prim, time: float) -> list[list[float]]:
 
 
 def _say_what_is_not(reading: Reading, prim: Usd.Prim, camera: UsdGeom.Camera) -> float:
-    """Its near plane."""
+    """Warns of what is not mapped of a camera. Returns the distance of its near plane."""
     if reading.get(camera.GetFStopAttr()) > 0 and reading.get(camera.GetFocusDistanceAttr()) > 0:
         reading.warn(prim, "depth of field is not rendered")
     if reading.get(camera.GetClippingPlanesAttr()):
@@ -108,7 +108,7 @@ def _say_what_is_not(reading: Reading, prim: Usd.Prim, camera: UsdGeom.Camera) -
 
 
 def exposure_scale(reading: Reading, prim: Usd.Prim) -> float:
-    """What the camera multiplies the picture by."""
+    """The factor of the camera's exposure on the picture."""
     return float(UsdGeom.Camera(prim).ComputeLinearExposureScale(Usd.TimeCode(reading.frame)))
 
 
@@ -122,14 +122,15 @@ def shutter_of(reading: Reading, prim: Usd.Prim, settings: Settings) -> list[flo
 
 
 def window(out: dict, settings: Settings) -> tuple[int, int, int, int] | None:
-    """The pixels to render where that is not all of them. `out`: [camera], which may get an overscan for it."""
+    """The pixels to render, x0, y0, x1, y1; None: all. `out`: [camera]; a window beyond the picture adds its
+    overscan."""
     if settings.window == (0.0, 0.0, 1.0, 1.0):
         return None
     width, height = out["resolution"]
     crop = _laws.crop(settings.window, width, height)
     beyond = max(-crop[0], -crop[1], crop[2] - width, crop[3] - height)
     if beyond > 0:
-        # Scrim's overscan is the same on all sides; the crop takes away what is too much.
+        # Scrim's overscan is the same on all sides; the crop cuts away those pixels of it that are not in the window.
         out["overscan"] = max(int(beyond), out.get("overscan", 0))
     if not (crop[0] < crop[2] and crop[1] < crop[3]):
         raise InputError(f"dataWindowNDC {settings.window} contains no pixel of {width} x {height}")

@@ -13,7 +13,8 @@ _RAW = ("raw", "data", "unknown", "identity")
 
 
 def space_of(reading: Reading, attribute: Usd.Attribute) -> str:
-    """Of an attribute: its own, else its prim's or an ancestor's, else linear Rec.709."""
+    """The colour space of an attribute: its own, else that of its prim or of the next ancestor with one, else linear
+    Rec.709."""
     name = attribute.GetColorSpace() if attribute else ""
     prim = attribute.GetPrim()
     while not name and prim and not prim.IsPseudoRoot():
@@ -45,6 +46,6 @@ def value(reading: Reading, attribute: Usd.Attribute, rgb: list[float]) -> objec
     if not Gf.ColorSpace.IsValid(space):
         reading.warn(prim, f"{attribute.GetName()}: colour space '{space}' is not known, and taken as {DEFAULT}")
         return {"rgb": rgb, "colorspace": DEFAULT}
-    # ACES2065-1 holds all colours that can be seen, so that nothing is below 0.
+    # ACES2065-1 holds all visible colours, so no component of one is below 0.
     converted = numbers(Gf.ColorSpace("lin_ap0_scene").Convert(Gf.ColorSpace(space), Gf.Vec3f(rgb)).GetRGB())
     return {"rgb": [max(c, 0.0) for c in converted], "colorspace": "lin_ap0_scene"}

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A camera for a stage that has none: the one that frames its asset, as `scrim render` frames a .vdb file.
 
-A single volume that stands still has the very view of its file, carried along by its transform. Several, or one that
-moves, are seen from the same side as the largest of them would be, from where all of them fit into the picture.
+A single volume that stands still is seen as its file is, carried along by the volume's transform. Several volumes, or
+one that moves, are seen from the side from which the largest one alone would be seen, and from so far that all of them
+fit into the picture.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from .. import _bounds, _errors, _scrim
 from ._reading import Reading, frames_of
 from ._settings import Settings
 
-_MARGIN = 1.05  # of what is framed
+_MARGIN = 1.05  # the size of the picture over that of what is framed
 
 Placed = tuple[str, tuple[float, ...]]  # a file, and the matrix (4, 4) that places it, row by row
 
@@ -82,7 +83,8 @@ def _framed(
 
 
 def _similar(linear: np.ndarray) -> tuple[np.ndarray, float | None]:
-    """The rotation that is nearest to a matrix, and its scale; None where it does more than to turn and to scale."""
+    """(the rotation that is nearest to a matrix, the matrix's scale). The scale is None where the matrix is no rotation
+    times a scale."""
     left, sizes, right = np.linalg.svd(linear)
     turn = left @ np.diag([1, 1, np.sign(np.linalg.det(left @ right))]) @ right
     is_similar = sizes[0] - sizes[2] < 1e-6 * sizes[0] and np.linalg.det(linear) > 0
@@ -94,7 +96,7 @@ def _corners(low: np.ndarray, high: np.ndarray) -> list[list[float]]:
 
 
 def _eye(axes: np.ndarray, corners: np.ndarray, fov: float, resolution: tuple[int, int]) -> np.ndarray:
-    """The nearest place from which a camera with these axes sees all corners, which are in the middle."""
+    """The nearest place from which a camera with these axes sees all corners, and has their middle straight ahead."""
     center = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     seen = (corners - center) @ axes
     across = np.tan(np.radians(0.5 * fov))

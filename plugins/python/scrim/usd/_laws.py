@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What UsdRender's numbers are in Scrim's words: plain numbers in and out. The laws of light are the kit's."""
+"""The numbers of UsdRender as those of Scrim: plain numbers in and out. The laws of light are in the kit."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def film(aperture: tuple[float, float], aspect: float, policy: str) -> tuple[flo
 
 
 def crop(window: tuple[float, float, float, float], width: int, height: int) -> tuple[int, int, int, int]:
-    """UsdRender's dataWindowNDC, y up from the bottom, as pixels x0, y0, x1, y1 from the top: those that are wholly
-    within."""
+    """UsdRender's dataWindowNDC, whose y goes up from the bottom, as pixels x0, y0, x1, y1 from the top: the pixels
+    that lie wholly within the window."""
     least = 1e-4  # of a pixel, for fractions that floats cannot hold
     x0, y0, x1, y1 = window
     return (

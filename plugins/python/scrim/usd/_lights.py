@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""UsdLux as [[light]]. A light shines along -z of its own frame; sizes and areas are those in the world."""
+"""UsdLux as [[light]]. A light shines along -z of its own frame; its sizes are those in the world."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scrim_kit.failure import Failure
 from . import _colour, _own
 from ._reading import Item, Reading, numbers
 
-_EVEN = 1e-4  # by how much scales along axes may differ
+_EVEN = 1e-4  # relative difference of the scales along axes that counts as none
 
 
 def is_light(prim: Usd.Prim) -> bool:
@@ -25,7 +25,8 @@ def _axes(matrix: Gf.Matrix4d) -> list[Gf.Vec3d]:
 
 
 def _facing(matrix: Gf.Matrix4d) -> list[float]:
-    """Where -z points: perpendicular to x and y, also of a sheared frame."""
+    """The direction of the light: perpendicular to the frame's x and y, even where the frame is sheared and its -z is
+    not."""
     x, y, z = _axes(matrix)
     normal = Gf.Cross(x, y).GetNormalized()
     return numbers(-normal if Gf.Dot(normal, z) > 0 else normal)
@@ -70,7 +71,8 @@ class Light:
         return _colour.value(self.reading, attribute, rgb)
 
     def colored(self) -> dict:
-        """The colour; keyed in one space, as keys are."""
+        """`color` of a [[light]]; keyed only where all keys are plain numbers, since a key cannot name a colour
+        space."""
         out = self.reading.moving(self.color)
         if isinstance(out, dict) and "keys" in out and any(isinstance(v, dict) for _, v in out["keys"]):
             self.warn("its colour changes while the shutter is open; that of the frame is taken")
@@ -78,13 +80,13 @@ class Light:
         return {} if out == [1.0, 1.0, 1.0] else {"color": out}
 
     def by(self, law: Callable[[float, float], float]) -> object:
-        """A law of (strength, time) as an intensity."""
+        """The `intensity` that a law gives for (strength, time); keyed where it changes while the shutter is open."""
         return self.reading.moving(lambda time: law(self.strength(time), time))
 
     def normalized(self, time: float) -> bool:
         return bool(self.input("normalize", time))
 
-    # What its type becomes
+    # What each type of light becomes
 
     def distant(self) -> dict:
         reading = self.reading
@@ -109,7 +111,7 @@ class Light:
         return out
 
     def round_radius(self, time: float, scales: list[float], what: str) -> float:
-        """The radius under the geometric mean of these scales; `what` becomes of it where they differ."""
+        """The radius times the geometric mean of the scales. `what`: the warning where the scales differ."""
         if max(scales) - min(scales) > _EVEN * max(scales):
             self.warn(f"its scale differs along axes: {what}")
         return float(self.input("radius", time)) * math.prod(scales) ** (1 / len(scales))
@@ -118,7 +120,7 @@ class Light:
         return self.round_radius(time, self.scales(time), "an ellipsoid is rendered as a sphere of the same volume")
 
     def cone(self) -> tuple[float, float] | None:
-        """(half angle, softness) of ShapingAPI; None where it is not there."""
+        """(half angle, softness) of the cone of ShapingAPI; None: the light has no cone."""
         if not self.prim.HasAPI(UsdLux.ShapingAPI):
             return None
         if self.input("shaping:focus"):
@@ -129,14 +131,14 @@ class Light:
         return (angle, float(self.input("shaping:cone:softness"))) if angle < 180 else None
 
     def profile(self) -> str | None:
-        """The path of the photometric file."""
+        """The path of the photometric file; "" or None: the light has none."""
         if not self.prim.HasAPI(UsdLux.ShapingAPI):
             return None
         return self.reading.file(self.prim.GetAttribute("inputs:shaping:ies:file"))
 
     def luminaire(self) -> tuple[dict, float]:
-        """Keys of a point or a spot with a photometric file, and what they multiply its intensity by: the file's
-        candelas, over their mean where the profile is normalized. The vertical angle 0 is -z."""
+        """(keys of a point or spot with a photometric file, factor on its intensity). The factor is the file's largest
+        candela value, divided by the mean of all where the profile is normalized. The vertical angle 0 is -z."""
         path = self.profile()
         if not path:
             return {}, 1.0
@@ -290,8 +292,8 @@ class Light:
 
 
 def dome_frame(matrix: Gf.Matrix4d) -> tuple[list[float], float]:
-    """(up, rotation) of a scene's dome whose frame is turned so. There the shortest turn from +y to `up` takes +z
-    along, and `rotation` turns from there towards +x."""
+    """(`up`, `rotation`) of the scene's dome whose frame is `matrix`. In a scene, `rotation` turns the middle of the
+    picture about +y, from +z towards +x; the shortest turn that takes +y to `up` follows."""
     up = matrix.TransformDir(Gf.Vec3d(0, 1, 0)).GetNormalized()
     middle = matrix.TransformDir(Gf.Vec3d(0, 0, 1)).GetNormalized()
     if up[1] < -1 + 1e-9:  # upside down: half a turn about x
@@ -314,10 +316,10 @@ _KINDS: list[tuple[type, Callable[[Light], dict]]] = [
 
 
 def read(reading: Reading, item: Item, scale: float, sidecar: _own.Sidecar) -> tuple[dict, Light] | None:
-    """A [[light]]; None where it cannot be mapped, which is said. `scale`: the camera's exposure."""
+    """A [[light]]; None where the light cannot be mapped: a warning says so. `scale`: the camera's exposure."""
     prim = item.prim
     if prim.IsA(UsdLux.LightFilter):
-        return None  # said where a light has it
+        return None  # the light that the filter belongs to has the warning
     kind = next((made for schema, made in _KINDS if prim.IsA(schema)), None)
     if kind is None:
         reading.warn(prim, f"lights of type {prim.GetTypeName() or 'none'} are not rendered")
@@ -330,6 +332,6 @@ def read(reading: Reading, item: Item, scale: float, sidecar: _own.Sidecar) -> t
 
 
 def of_mesh(reading: Reading, item: Item, scale: float, mesh: str) -> tuple[dict, Light]:
-    """The [[light]] of a solid with MeshLightAPI, which is the [[mesh]] of this name."""
+    """The [[light]] of a solid with MeshLightAPI. `mesh`: the name of the solid's [[mesh]]."""
     light = Light(reading, item, scale)
     return light.table(mesh, light.surface({"type": "area", "shape": "mesh", "mesh": mesh})), light

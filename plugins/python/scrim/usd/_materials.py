@@ -2,8 +2,8 @@
 """Volume materials that others write, as `density` and `medium` of a [[volume]].
 
 Arnold's standard_volume, Karma's volume shaders and MaterialX's volume nodes, as UsdShade holds them: examples/USD.md
-has the table. What of a shader is not mapped is named, input by input. Rates are per world unit at grid value 1; a rate
-without a grid of its own goes with the density.
+has the table. A warning names each input of a shader that is not mapped. Rates are per world unit at grid value 1; a
+rate without a grid of its own goes with the density.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from ._shaders import Shader, Value, kind_of, triple
 
 _CONTEXTS = ("mtlx", "arnold", "kma", "karma", "")  # of outputs:CONTEXT:volume, the first that is there counts
 _FAR = 1000.0  # grid value up to which a coloured glow grows: a ramp is constant beyond its end
-_LEAST = 1e-6  # of `transparent`
-_DEFAULT_TRANSPARENT = [math.exp(-1.0)] * 3  # at which Arnold's extinction is its density
+_LEAST = 1e-6  # smallest `transparent` and `transparent_depth` of Arnold's: the extinction is -log(t) / depth
+_DEFAULT_TRANSPARENT = [math.exp(-1.0)] * 3  # with it the extinction, -density * log(transparent), is the density
 
 
 @dataclass
 class Material:
-    """`density` and `medium` are keys of a [[volume]]; grids are named as the shader names them: by channels of the
-    Volume. `unsaid`: grids that are only a shader's defaults, so that a Volume need not have them."""
+    """`density` and `medium`: keys of a [[volume]], in which grids have the names that the shader uses: channels of the
+    Volume. `unsaid`: grids that only a default of the shader names; no warning is given where the Volume lacks them."""
 
     density: dict = field(default_factory=dict)
     medium: dict = field(default_factory=dict)
@@ -197,7 +197,7 @@ def _pyro(shader: Shader) -> Material:
 
 
 def _fire(out: Material, shader: Shader) -> None:
-    """The glow is fireintscale times the intensity's grid, in the colours that the ramp gives to the colour's grid."""
+    """Glow = fireintscale * (grid fireint_volumename) * (colour of the ramp at the grid firecolor_volumename)."""
     strength = shader.number("fireintscale", 1.0)
     grid = shader.text("fireint_volumename", "flame")
     coloured = shader.text("firecolor_volumename", grid)
@@ -209,7 +209,8 @@ def _fire(out: Material, shader: Shader) -> None:
         shader.warn(f"{shader.kind}: the colour of its fire {why}, and is taken as white")
         _put_glow(out, shader, grid, [strength] * 3)
         return
-    # The light is intensity times colour, so that between two points of the ramp it bends: more points follow it.
+    # The glow is a value v times the ramp's colour at v: between two points of the ramp it is quadratic in v. Three
+    # more points between them follow the curve.
     places = sorted(
         {p for p, _ in ramp} | {_mixed(a[0], b[0], i / 4) for a, b in zip(ramp, ramp[1:]) for i in range(4)}
     )
@@ -255,7 +256,8 @@ def _terminal(material: UsdShade.Material) -> Usd.Prim | None:
 
 
 def of(reading: Reading, prim: Usd.Prim) -> Material | None:
-    """Of a Volume's bound material; None where it has none that can be mapped, of which the latter is said."""
+    """The material that is bound to a Volume. None: no material is bound, or it cannot be mapped; then a warning says
+    why."""
     bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("full")[0]
     if not bound:
         return None

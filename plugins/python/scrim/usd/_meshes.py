@@ -72,7 +72,8 @@ def _of_plane(reading: Reading, prim: Usd.Prim) -> tuple[array, array]:
 
 
 def _shape(reading: Reading, prim: Usd.Prim) -> tuple[array, array] | None:
-    """x, y, z of its points one after the other, and three numbers of points for each triangle."""
+    """(x, y, z of point after point, three numbers of points for each triangle); None where the solid is of another
+    type."""
     if prim.IsA(UsdGeom.Mesh):
         return _of_mesh(reading, prim)
     if prim.IsA(UsdGeom.Cube):
@@ -84,7 +85,8 @@ def _shape(reading: Reading, prim: Usd.Prim) -> tuple[array, array] | None:
 
 
 def _file(reading: Reading, prim: Usd.Prim) -> str | None:
-    """Once for each shape, however many instances and frames have it."""
+    """The file of a solid's shape, as a scene names it. Instances and frames with the same shape share one file. None:
+    there are no triangles."""
     shape = _shape(reading, prim)
     if shape is None or not len(shape[1]):
         return None
@@ -97,7 +99,7 @@ def _file(reading: Reading, prim: Usd.Prim) -> str | None:
 
 
 def read(reading: Reading, item: Item, sidecar: _own.Sidecar) -> dict | None:
-    """A [[mesh]]; None where there is nothing to render of it."""
+    """A [[mesh]]; None where the solid has no triangles."""
     path = _file(reading, item.prim)
     if path is None:
         return None
@@ -108,7 +110,7 @@ def read(reading: Reading, item: Item, sidecar: _own.Sidecar) -> dict | None:
     place = _motion.transform(reading, item, lambda time: reading.world(item, time))
     if place:
         out["transform"] = place
-    if reading.options.meshes in ("shadows", "none"):  # none: it is here for the light that it gives
+    if reading.options.meshes in ("shadows", "none"):  # "none": only solids that give light are read at all
         out["holdout"] = False
     if reading.options.meshes == "none":
         out["shadows"] = False

@@ -11,11 +11,12 @@ from ._reading import Item, Reading, numbers, rows
 
 
 def _rotation(axes: list[Gf.Vec3d], before: list[float] | None) -> list[float]:
-    """Angles about x, then y, then z, that turn the axes of the world to these, as near to `before` as may be."""
+    """Angles in degrees about x, then y, then z, that turn the axes of the world to `axes`. Of all such angles those
+    that are nearest to `before`."""
     (xx, xy, xz), (yx, yy, yz), (_, _, zz) = (numbers(a) for a in axes)
     y = math.asin(min(max(-xz, -1.0), 1.0))
     angles = [math.atan2(yz, zz), y, math.atan2(xy, xx)]
-    if math.cos(y) < 1e-6:  # looking along an axis: only the sum of the other two counts
+    if math.cos(y) < 1e-6:  # a turn of 90 degrees about y: x and z then turn about the same axis
         angles = [0.0, y, math.atan2(-yx, yy)]
     out = [math.degrees(a) for a in angles]
     if before is None:
@@ -26,7 +27,7 @@ def _rotation(axes: list[Gf.Vec3d], before: list[float] | None) -> list[float]:
 
 
 def _parts(matrix: Gf.Matrix4d, before: list[float] | None) -> tuple[list[float], list[float], list[float]] | None:
-    """(translate, rotate, scale); None where it is sheared."""
+    """(translate, rotate, scale) of a matrix; None where it shears or flattens. `before`: `rotate` of the last time."""
     axes = [Gf.Vec3d(matrix.GetRow3(i)) for i in range(3)]
     scale = [a.GetLength() for a in axes]
     if min(scale) <= 0:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a stage says to Scrim alone: attributes `scrim:*` of its prims, and a side-car in TOML keyed by their paths.
 
-`scrim:density:scale = 4` on a Volume is `density.scale = 4` of its [[volume]], and `scrim:albedo` is `medium.albedo`:
-what is no key of a volume is one of its medium. Of other prims the names are those of their tables.
+`scrim:density:scale = 4` on a Volume is `density.scale = 4` of its [[volume]]. A first part that is no key of a
+[[volume]] is one of its medium: `scrim:albedo` is `medium.albedo`. On other prims `scrim:NAME` is the key NAME of the
+prim's table: [[light]], [[mesh]], [camera]; on the settings it is the table NAME of the scene: `scrim:output:layers`.
 """
 
 from __future__ import annotations
@@ -18,12 +19,14 @@ from .._errors import InputError
 from . import _colour
 from ._reading import Reading, numbers
 
-_OF_VOLUMES = ("name", "frame", "transform", "density", "velocity", "lights", "shadows", "holdout", "medium", "classified")
+_OF_VOLUMES = (
+    "name", "frame", "transform", "density", "velocity", "lights", "shadows", "holdout", "medium", "classified"
+)  # fmt: skip
 
 
 def merge(into: dict, more: Mapping) -> None:
-    """Adds keys, and replaces those that are there. `more` stays as it is whatever becomes of `into`, whose tables are
-    changed later: a side-car is read once for all frames."""
+    """Puts the keys of `more` into `into`; those that `into` has are replaced, tables key by key. The values are
+    copied: tables of a scene are changed later, and a side-car is read once for all frames."""
     for key, value in more.items():
         if isinstance(value, Mapping) and isinstance(into.get(key), dict):
             merge(into[key], value)
@@ -70,7 +73,8 @@ def attributes(reading: Reading, prim: Usd.Prim, of_volume: bool = False) -> dic
 
 
 class Sidecar:
-    """[/World/Smoke] tables for prims, beside tables of the scene itself: [render], [output]."""
+    """A side-car: `prims`, the tables of prims by path, [/World/Smoke]; `scene`, all other tables: [render],
+    [output]."""
 
     def __init__(self, path: str | os.PathLike[str] | None) -> None:
         self.path, self.prims, self.scene = path, {}, {}

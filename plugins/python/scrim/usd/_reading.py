@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all parts of the reader share: the stage at a frame, its transforms, what was said, and where files go."""
+"""What all parts of the reader share: the stage at a frame, its transforms, warnings, and the folder for files."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Options:
 
 @dataclass
 class Messages:
-    """Each thing is said once, whatever the frame."""
+    """Warnings and notes. A text is kept once, however many frames give it."""
 
     warnings: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -54,15 +54,16 @@ class Messages:
 
 @dataclass
 class Item:
-    """A prim that is to be rendered, with what places it beyond its own transforms: instances of a PointInstancer."""
+    """A prim that is to be rendered. `suffix`: of its name. `within(time)`: for an instance of a PointInstancer, the
+    matrix that follows the prim's own. `linked`: the path of that instancer, which collections of lights may name."""
 
     prim: Usd.Prim
     suffix: str = ""
     within: Callable[[float], Gf.Matrix4d] | None = None
-    linked: Sdf.Path | None = None  # the instancer, which collections of lights may name
+    linked: Sdf.Path | None = None
 
     def names(self) -> list[str]:
-        """What it may be called: its prim's name, else that with its parent's before it, and so on."""
+        """Names for the item, best first: PRIM, PARENT_PRIM, and so on up to the root."""
         parts = [path.name for path in self.prim.GetPath().GetPrefixes()]
         return ["_".join(parts[-count:]) + self.suffix for count in range(1, len(parts) + 1)]
 
@@ -71,7 +72,8 @@ class Item:
 
 
 class Reading:
-    """A stage at one frame. `times`: where moving things are read; the frame alone without a shutter."""
+    """A stage at one frame. `times`: the time codes at which moving things are read; without a shutter only the
+    frame."""
 
     def __init__(self, stage: Usd.Stage, frame: float, options: Options, messages: Messages, folder: str) -> None:
         self.stage, self.frame, self.options, self.folder = stage, frame, options, folder
@@ -90,7 +92,7 @@ class Reading:
         return Gf.Matrix4d(self._caches[time].GetLocalToWorldTransform(prim))
 
     def name(self, item: Item) -> str:
-        """A name in the scene, which no other item gets."""
+        """The name of an item in the scene. No other item gets it."""
         return self._names.of(*item.names())
 
     def world(self, item: Item, time: float) -> Gf.Matrix4d:
@@ -110,7 +112,8 @@ class Reading:
         return otherwise if value is None else value
 
     def file(self, attribute: Usd.Attribute) -> str:
-        """The path of an asset as a scene names it; "" where there is none. What is in a .usdz is taken out of it."""
+        """The path of an asset as a scene names it; "" where there is none. A file within a .usdz is first copied
+        into the folder of the reading."""
         asset = self.get(attribute)
         if asset is None or not asset.path:
             return ""

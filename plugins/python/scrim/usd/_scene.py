@@ -14,7 +14,7 @@ from ._reading import Item, Messages, Options, Reading
 
 @dataclass
 class FrameScene:
-    """`crop`: x0, y0, x1, y1, where UsdRender asks for a part of the picture."""
+    """`crop`: x0, y0, x1, y1, the part of the picture that UsdRender asks for; None: all of it."""
 
     scene: dict
     crop: tuple[int, int, int, int] | None
@@ -25,7 +25,8 @@ def _drawn(prim: Usd.Prim) -> bool:
 
 
 def _link(reading: Reading, light: _lights.Light, name: str, lit: list[tuple[Item, dict]], solids: list[Item]) -> bool:
-    """lightLink and shadowLink as `lights` and `shadows` of volumes. Whether anything casts shadows in the light."""
+    """Adds the light to `lights` and `shadows` of the volumes that its lightLink and shadowLink include. Returns
+    whether any solid or volume casts shadows in it."""
     for key, link in zip(("lights", "shadows"), light.links(), strict=True):
         for item, volume in lit:
             if item.included(link) and name not in volume[key]:
@@ -61,7 +62,7 @@ def _linked(reading: Reading, lights: list[tuple[dict, _lights.Light]], volumes:
 
 
 def _volumes_at(reading: Reading, frame: int, sidecar: _own.Sidecar) -> list[dict]:
-    """Volumes of another frame; of what cannot be mapped there is no word."""
+    """Tables of the volumes at another frame, without warnings."""
     quiet = Reading(reading.stage, frame, replace(reading.options), Messages(), reading.folder)
     read = [_volumes.read(quiet, item, 1.0, sidecar) for item in quiet.items(lambda prim: prim.IsA(UsdVol.Volume))]
     return [volume for volume in read if volume]
@@ -120,7 +121,7 @@ def scene_at(
 
 
 def _shines(scene: dict) -> bool:
-    """Whether anything in it gives light."""
+    """Whether anything in the scene gives light."""
     glows = any(
         "classified" in volume or {"emission", "blackbody"} & set(volume.get("medium", {}))
         for volume in scene["volume"]

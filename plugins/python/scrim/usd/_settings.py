@@ -38,8 +38,8 @@ def _only(reading: Reading, schema: type, what: str) -> Usd.Prim | None:
 
 
 def prim_of(reading: Reading) -> Usd.Prim | None:
-    """The settings that were asked for, those that the stage names, or its only ones; without any, its only product,
-    which has resolution, camera and window, too."""
+    """The RenderSettings that the caller asked for, else that of the stage's metadata, else the stage's only one.
+    Without any, the stage's only RenderProduct, which also has resolution, camera and window."""
     wanted = reading.options.settings
     if wanted is None:
         settings = UsdRender.Settings.GetStageRenderSettings(reading.stage)
@@ -84,7 +84,7 @@ def _products(reading: Reading, prim: Usd.Prim) -> tuple[Usd.Prim | None, Usd.Pr
 
 
 def _value(reading: Reading, settings: Usd.Prim, product: Usd.Prim | None, name: str) -> object:
-    """Of the product where it says it, else of the settings."""
+    """The value of an attribute: authored by the product, else that of the settings."""
     for prim in (product, settings):
         attribute = prim.GetAttribute(name) if prim else None
         if attribute and (attribute.HasAuthoredValue() or prim is settings):
@@ -114,7 +114,7 @@ def _vars(reading: Reading, product: Usd.Prim, output: dict) -> None:
         elif source.lower() not in _BEAUTY:
             text = "is not written; scrim:output:layers of the settings names layers"
             reading.warn(prim, f"render var '{source}' {text}")
-        elif var.GetDataTypeAttr().HasAuthoredValue():  # the fallback is floats, too, which nobody asked for
+        elif var.GetDataTypeAttr().HasAuthoredValue():  # a fallback is no wish for floats
             kind = str(reading.get(var.GetDataTypeAttr()))
             output["type"] = "half" if kind.endswith("h") or kind.startswith("half") else "float"
     if layers:
@@ -122,7 +122,7 @@ def _vars(reading: Reading, product: Usd.Prim, output: dict) -> None:
 
 
 def read(reading: Reading, scene: dict) -> Settings:
-    """Puts [output], and what is said to Scrim alone, into `scene`."""
+    """Puts [output], and the attributes `scrim:*` of the settings, into `scene`."""
     prim = prim_of(reading)
     if prim is None:
         return Settings(resolution=reading.options.resolution)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shaders of UsdShade: what their inputs are at a frame, and which of them nobody asked for."""
+"""Shaders of UsdShade: the values of their inputs at a frame, and warnings of inputs that are not mapped."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Value:
         return self.color[0] if len(set(self.color)) == 1 else _GREY * sum(self.color)
 
     def times(self, other: Value) -> Value | None:
-        """None: grids cannot be multiplied."""
+        """The product; None where both have grids: a scene has no key for a product of grids."""
         if self.grid and other.grid:
             return None
         return Value([a * b for a, b in zip(self.color, other.color)], self.grid or other.grid)
@@ -42,7 +42,7 @@ def kind_of(prim: Usd.Prim) -> str:
 
 
 class Shader:
-    """A shader's inputs at the frame. What is asked for here counts as mapped."""
+    """A shader's inputs at the frame. An input counts as mapped once it was asked for."""
 
     def __init__(self, reading: Reading, prim: Usd.Prim) -> None:
         self.reading, self.prim, self.kind = reading, prim, kind_of(prim)
@@ -101,7 +101,7 @@ class Shader:
             self.warn(f"{self.kind}: not mapped: {', '.join(left)}")
 
     def _found(self, name: str) -> object:
-        """The value, or the prim of the shader that makes it; None where nothing is authored."""
+        """The value of an input, or the prim of the shader that it is connected to; None where nothing is authored."""
         self._asked.add(name)
         source = self._shader.GetInput(name)
         made = UsdShade.Utils.GetValueProducingAttributes(source) if source else []
@@ -130,7 +130,7 @@ def triple(value: object) -> list[float]:
 
 
 def _node_value(node: Shader) -> Value | None:
-    """What a node gives that reads a grid, holds a constant, or multiplies two of these."""
+    """The value of a node that reads a grid, holds a constant, or multiplies two such values; None for other nodes."""
     kind = re.sub(r"_(float|color3|color4|vector3|integer|string|rgb)(F[AC]?)?$", "", node.kind.removeprefix("ND_"))
     if kind in _READERS:
         name = node.text(_READERS[kind], "")

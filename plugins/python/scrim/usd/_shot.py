@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A stage as a shot: a scene for each frame, rendered with the volumes that the last one loaded."""
+"""A stage as a shot: a scene for each frame. A frame shares the volumes that the frame before loaded."""
 
 from __future__ import annotations
 
@@ -8,23 +8,18 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from .. import _grids, _scrim, _toml
+from .. import _grids, _scrim, _toml, _viewing
 from .._errors import UsageError
 from .._volumes import Volumes
-from ..view import needs
 from . import _camera, _own, _reading
 from ._scene import FrameScene, scene_at
 
 
-if TYPE_CHECKING:
-    from ..view._notebook import View
-
-
 class Shot:
-    """A stage of OpenUSD, with all that its frames need: `scrim.usd.open`. As a `scrim.Shot` it does one thing at a
-    time."""
+    """A stage of OpenUSD, with all that its frames need: `scrim.usd.open`. Like a `scrim.Shot` it does one thing
+    at a time."""
 
     def __init__(
         self,
@@ -88,7 +83,7 @@ class Shot:
 
     @property
     def folder(self) -> str:
-        """Where meshes that scenes name are, as long as the shot lives."""
+        """The folder of the meshes that scenes name. It is removed with the shot."""
         return self._folder.name
 
     @property
@@ -101,7 +96,7 @@ class Shot:
         options = replace(self._options, camera=camera)
         other = Shot(self.path, self._overrides, options, self._given["ocio"], self._given["guarded"])
         other._grids = dict(self._grids)
-        other.scene(self.frames[0])  # where there is no such camera, that is said now
+        other.scene(self.frames[0])  # raises here if there is no such camera
         return other
 
     def _at(self, frame: int) -> FrameScene:
@@ -124,7 +119,7 @@ class Shot:
         return self._at(frame).crop
 
     def opened(self, frame: int = 1) -> _scrim.Shot:
-        """The `scrim.Shot` of a frame: the last one where the scene is the same."""
+        """The `scrim.Shot` of a frame: that of the last frame if both frames have the same scene."""
         text = _toml.document(self._at(frame).scene)
         if self._job is not None and not self._job.done:
             raise UsageError(f"{self.path}: the shot is at work; wait for it, or open the stage once more")
@@ -181,21 +176,18 @@ class Shot:
         """Accuracy against time at a frame: see `scrim.Shot.study`."""
         return self.opened(frame).study(frame, folder, budget=budget, threads=threads, progress=progress)
 
-    def view(self, frame: int | None = None, *, height: int = 640) -> View:
-        """Shows a frame in a notebook: see `scrim.Shot.view`. Its cameras can be chosen there."""
-        needs()
-        from ..view._notebook import View
-        from ..view._opening import of_stage
-
+    def view(self, frame: int | None = None, *, height: int = 640) -> _viewing.View:
+        """Shows a frame in a notebook: see `scrim.Shot.view`. The page lets the user choose among the stage's
+        cameras."""
         number = self.frames[0] if frame is None else frame
-        return View(of_stage(self, number, self._given["ocio"], self._grids), height)
+        return _viewing.shown_stage(self, number, self._given["ocio"], self._grids, height)
 
     def resolved(self, frame: int = 1) -> dict[str, Any]:
         """The scene of a frame in plain numbers: see `scrim.Shot.resolved`."""
         return self.opened(frame).resolved(frame)
 
     def toml(self, frame: int = 1, overrides: Mapping[str, object] | Sequence[str] | None = None) -> str:
-        """The scene of a frame as TOML, with its overrides and these."""
+        """The scene of a frame as TOML, with the overrides of the shot and `overrides`."""
         return self.opened(frame).toml(overrides)
 
     def __repr__(self) -> str:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """UsdVol.Volume and its OpenVDBAssets as [[volume]].
 
-The transform of a field's prim places its grid, on top of the file's own: that from the world where the prim is below
-its Volume. A field elsewhere, which volumes may share, has its own transform alone before that of the Volume.
+A grid is placed by the transform in its file, then by a matrix of the stage. Where the field's prim is below its
+Volume, that is the prim's local-to-world matrix. A prim elsewhere may be the field of several Volumes: the matrix is
+then its own local transform followed by the local-to-world matrix of the Volume.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdVol
 from . import _materials, _motion, _own
 from ._reading import Item, Reading
 
-# What Storm shows of a volume without a material: albedo 0.18, to all sides.
+# How Storm shows a volume without a material: albedo 0.18, isotropic phase.
 DEFAULT_ALBEDO = [0.18, 0.18, 0.18]
 _VELOCITIES = ("velocity", "vel", "v")
 _SHORT = ("emission", "blackbody", "albedo", "density", "velocity")  # tables that name a grid
@@ -68,7 +69,7 @@ def _fields(reading: Reading, item: Item) -> dict[str, Field]:
 
 
 def _density(reading: Reading, item: Item, fields: dict[str, Field], wanted: str | None) -> str | None:
-    """The channel that is extinction."""
+    """The channel that is extinction; None where none is found: a warning says so."""
     if not fields:
         reading.warn(item.prim, "it has no field that can be read, and is not rendered")
         return None
@@ -96,12 +97,12 @@ class Mapping:
         self.first = fields[density]
         self.density = density
         self.used = {density}
-        # Where the fields are of several files, grids are called as their channels.
+        # Fields of one file: grids have their names in the file. Fields of several files: those of their channels.
         self.several = any(field.file != self.first.file for field in fields.values())
         self.unnamed: dict[str, str] = {}
 
     def grid(self, name: str) -> str:
-        """A channel of the Volume, or a grid of its file, as the grid's name."""
+        """The name in the scene of a channel of the Volume, or of a grid of its file."""
         field = self.fields.get(name)
         if field is None:
             if self.several:
@@ -118,7 +119,7 @@ class Mapping:
             )
 
     def _files(self) -> dict:
-        """`file`, or `grids` of several."""
+        """`file`; where the fields are of several files, `grids`."""
         if not self.several:
             return {"file": self.first.file}
         used = [self.density, *sorted(self.used - {self.density})]
@@ -127,7 +128,7 @@ class Mapping:
         return {"grids": {**named, **self.unnamed}}
 
     def name_grids(self, table: dict) -> None:
-        """Puts grids in the place of channels in what was said to Scrim."""
+        """Replaces channels by names of grids in the values of `scrim:*` and of the side-car."""
         for key, value in table.items():
             if not isinstance(value, dict):
                 continue
@@ -140,7 +141,7 @@ class Mapping:
         if channel is None or "velocity" in own:
             return
         if len(self.reading.times) == 1:
-            self.used.add(channel)  # nothing moves: no shutter
+            self.used.add(channel)  # without a shutter a velocity changes nothing
         else:
             own["velocity"] = {"grid": self.grid(channel), "unit": "second"}
 
@@ -183,8 +184,8 @@ class Mapping:
 
 
 def _said_by(reading: Reading, item: Item, fields: dict[str, Field], own: dict) -> dict:
-    """What the material says, and on top of it what is said to Scrim alone. Renderers read only fields of the Volume:
-    a glow by another grid is left out."""
+    """Keys of a [[volume]]: those of the material, replaced by `own`, those of `scrim:*` and of the side-car. Emission
+    and black bodies of grids that are no fields of the Volume are left out, as renderers do."""
     material = _materials.of(reading, item.prim) if "classified" not in own else None
     if material is None:
         return own
@@ -202,7 +203,7 @@ def _said_by(reading: Reading, item: Item, fields: dict[str, Field], own: dict) 
     if material.density.get("grid") not in fields:
         material.density.pop("grid", None)
     said = {"density": material.density, "medium": material.medium}
-    for key, value in own.get("medium", {}).items():  # one way to say it replaces another
+    for key, value in own.get("medium", {}).items():  # albedo, phase and glow: `own` replaces them whole
         if key in ("albedo", "phase") or (isinstance(value, dict) and "grid" in value):
             said["medium"].pop(key, None)
     _own.merge(said, own)
@@ -216,7 +217,7 @@ def _scale_by(medium: dict, key: str, name: str, factor: float) -> None:
 
 
 def read(reading: Reading, item: Item, exposure: float, sidecar: _own.Sidecar) -> dict | None:
-    """A [[volume]]; None where it cannot be mapped, which is said."""
+    """A [[volume]]; None where the Volume cannot be mapped: a warning says so."""
     own = _own.attributes(reading, item.prim, of_volume=True)
     _own.merge(own, sidecar.of(item.prim, of_volume=True))
     fields = _fields(reading, item)
@@ -229,7 +230,7 @@ def read(reading: Reading, item: Item, exposure: float, sidecar: _own.Sidecar) -
         reading.warn(item.prim, "its transform makes it flat, and it is not rendered")
         return None
     out = Mapping(reading, item, fields, density).read(own)
-    if exposure != 1 and isinstance(out.get("medium"), dict):  # what glows, as the camera exposes it
+    if exposure != 1 and isinstance(out.get("medium"), dict):  # lights have the exposure, too
         _scale_by(out["medium"], "emission", "scale", exposure)
         _scale_by(out["medium"], "blackbody", "intensity", exposure)
     return out

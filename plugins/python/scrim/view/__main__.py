@@ -91,8 +91,9 @@ def _view(words: list[str] | None) -> int:
     needs()
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     listen = _address(given.listen)
-    # The server's kits are loaded while the program reads the volumes, which needs no Python. OpenUSD must be loaded
-    # alone: it gives Python's lock away while the system loads a library, and waits for it with the system's lock held.
+    # The server's packages are loaded while the program reads the volumes. OpenUSD must be loaded alone: its libraries
+    # wait for Python's lock while the system's loader is locked, and an import in another thread waits for the loader
+    # while it holds Python's lock. Neither would end.
     if not may_load_usd(given.scene):
         threading.Thread(target=importlib.import_module, args=("._server", __package__), daemon=True).start()
     opening = functools.partial(
@@ -109,7 +110,7 @@ def _view(words: list[str] | None) -> int:
         status = asyncio.run(_serve(Server(opening, door)))
     finally:
         door.end_invitation()
-    gc.collect()  # while the module that made the pictures is there
+    gc.collect()  # pictures must go before the compiled module that made them
     return status
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Work that takes long, beside the event loop: what browsers ask for meanwhile is answered."""
+"""Work that takes long, in a thread beside the event loop, which goes on to answer browsers."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def aside(
     then: Callable[[Made], object],
     failed: Callable[[BaseException], object],
 ) -> None:
-    """Does `work` in a thread that keeps nobody from ending, and calls `then` with what it gave, or `failed` with what
-    it raised, in the loop's thread. `later`: that of a session."""
+    """Calls `work` in a daemon thread, then in the loop's thread `then` with the result of `work`, or `failed` with its
+    exception. `later(seconds, call)`: calls in the loop's thread."""
 
     def do() -> None:
         try:

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-_HALF_TURN = math.pi  # what a drag over the whole height turns
-_POLE = math.radians(1.0)  # how near the view may come to straight up or down, where left and right lose their meaning
+_HALF_TURN = math.pi  # the turn of a drag over the whole height
+_POLE = math.radians(1.0)  # least angle between the view and straight up or down, where left and right are undefined
 _DOLLY = 2.0  # a drag over the whole height brings the eye nearer by the factor e^2
 
 
@@ -28,7 +28,7 @@ class Lens:
     aspect: float
 
     def height_at(self, distance: float) -> float:
-        """World units that the picture is high at this distance."""
+        """Height of the picture in world units at this distance from the eye."""
         if self.height is not None:
             return self.height
         return 2 * distance * math.tan(0.5 * self.fov) / self.aspect
@@ -102,7 +102,7 @@ def world_up(matrix: np.ndarray, stated: Sequence[float] | None) -> np.ndarray:
 
 
 def angles_of(direction: Sequence[float], up: np.ndarray) -> tuple[float, float]:
-    """(azimuth, elevation) in degrees of where light that travels along `direction` comes from. The azimuth is 0 on the
+    """(azimuth, elevation) in degrees of the place that light along `direction` comes from. The azimuth is 0 on the
     axis after `up` in the order x, y, z, x, and grows against the clock for a viewer at the tip of `up`."""
     first, second = _plane(up)
     source = -np.asarray(direction, float)
@@ -134,7 +134,7 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 def _right_of(matrix: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """The level direction to the right, which an orbit leaves without roll."""
+    """The direction to the right that is perpendicular to `up`: an orbit has no roll."""
     right = np.cross(up, matrix[:3, 2])
     length = float(np.linalg.norm(right))
     return right / length if length > 1e-6 else matrix[:3, 0]

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Expressions in OpenVDB AX as the page edits them: the parameters that follow from them, and where in them an error
-is."""
+"""Expressions in OpenVDB AX as the page edits them: the parameters that they need, and the places of their errors."""
 
 from __future__ import annotations
 
@@ -29,8 +28,8 @@ def variables(code: str) -> dict[str, bool]:
 
 
 def changes(volume: Mapping, place: Place, code: str) -> list[Change]:
-    """What makes `code` the expression of a volume at `place`. New variables get a parameter, 1 or a vector of 0; those
-    that only the former expression used lose theirs."""
+    """The changes that make `code` the expression of a volume at `place`. New variables get a parameter: 1, or a vector
+    of zeros. Parameters that only the former expression used are removed."""
     code = code.replace("\r\n", "\n")
     if code.strip() and "\n" in code and not code.endswith("\n"):
         code += "\n"
@@ -46,20 +45,22 @@ def changes(volume: Mapping, place: Place, code: str) -> list[Change]:
 
 
 def parameters(volume: Mapping) -> Iterator[tuple[str, object]]:
-    """Those that the expression uses: a source's own are not the page's."""
+    """(name, value) of the parameters that the expression uses. The page does not show those that only the source
+    uses."""
     given, used = volume.get("parameters", {}), variables(volume.get("ax", ""))
     return ((name, given[name]) for name in used if name in given)
 
 
 def range_of(value: float) -> tuple[float, float]:
-    """Ends of a slider for a parameter, of which nothing is known but its value: the next power of ten."""
+    """Ends of a slider for a parameter: 0 and the next power of ten; of a negative value, that power to both sides."""
     most = 10.0 ** math.ceil(math.log10(abs(value))) if value else 1.0
     return (0.0 if value >= 0 else -most), most
 
 
 def mistake(text: str, name: str, error: str) -> dict | None:
-    """Where in an expression of a scene an error is, of which the library says that it is in a line and column of the
-    scene, which it calls `name`: the `volume`, and `line` and `column` in its expression. None: in none of them."""
+    """The place of an error in an expression: `volume`, `line` and `column` in the volume's expression, and the `text`.
+    `error`: a message of the library with the place in the scene, "NAME:LINE:COLUMN: ...". `text`: the scene. `name`:
+    NAME. None: the place is in no expression."""
     found = _PLACE.match(error.removeprefix(name)) if error.startswith(name) else None
     if not found:
         return None

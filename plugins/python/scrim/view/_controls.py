@@ -1,185 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What of a scene the page can change: a control for each key, as data. The page draws them, and cannot change what has
-no control.
+"""The controls of a scene, as data: one for each key that the page can change. The page draws them.
 
-Ranges of sliders are habits, not limits: what a key may hold the library says when the scene is read.
+Ranges of sliders are usual values, not limits: the library checks a value when the scene is read.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 
 import numpy as np
 
-from ._camera import angles_of, direction_of
-from . import _code, _curves, _shading
-from ._document import Change, Place, name_of
+from . import _code, _shading
+from ._control_maker import Control, Group, Maker, is_keyed, is_triple, read
+from ._document import name_of
 from ._messages import is_number
 
 _QUALITIES = ("draft", "standard", "high", "ultra")
-# The errors that these promise, for media and for classified volumes: `scrim help render`.
+# The errors that these qualities promise, first for media, then for classified volumes: `scrim help render`.
 _PROMISES = (0.03, 0.01, 0.003, 0.001), (0.05, 0.02, 0.01, 0.005)
 _WHITE = [1.0, 1.0, 1.0]
-
-
-@dataclass(frozen=True)
-class Control:
-    """`id`: how the page names it. `kind`: number, colour (three numbers from 0 up), vector, choice, switch, code or a
-    curve.
-    `least`, `most`: ends of a slider; `log`: whether it goes by factors. `labels`: what the page writes for
-    the choices, if not themselves. `is_keyed`: the scene animates it, so the page
-    only shows that. `changes`: what a value from the page changes in the scene. `layer`: what it makes brighter, `law`:
-    how: by the factor of the values, or by their difference in stops. So the page shows it before the scene is read."""
-
-    id: str
-    label: str
-    kind: str
-    value: object
-    changes: Callable[[object], list[Change]] = field(repr=False)
-    least: float = 0.0
-    most: float = 1.0
-    log: bool = False
-    unit: str = ""
-    choices: tuple[str, ...] = ()
-    labels: tuple[str, ...] = ()
-    is_keyed: bool = False
-    layer: str = ""
-    law: str = ""
-
-    def accepts(self, value: object) -> bool:
-        """Whether `value` has the type that this kind has. Its range is checked where the scene is read."""
-        if self.is_keyed:
-            return False
-        if self.kind in ("colour", "vector"):
-            return isinstance(value, list) and len(value) == 3 and all(is_number(part) for part in value)
-        if self.kind == "choice":
-            return value in self.choices
-        if self.kind == "code":
-            return isinstance(value, str) and len(value) <= _code.LONGEST
-        if self.kind in _curves.KINDS:
-            return _curves.accepts(self.kind, value)
-        if self.kind == "switch":
-            return isinstance(value, bool)
-        return is_number(value)
-
-    def as_data(self) -> dict:
-        """For the page."""
-        return {
-            "id": self.id,
-            "label": self.label,
-            "kind": self.kind,
-            "value": None if self.is_keyed else self.value,
-            "least": self.least,
-            "most": self.most,
-            "log": self.log,
-            "unit": self.unit,
-            "choices": list(self.choices),
-            "labels": list(self.labels or self.choices),
-            "keyed": self.is_keyed,
-            "layer": self.layer,
-            "law": self.law,
-        }
-
-
-@dataclass(frozen=True)
-class Group:
-    """Controls under one heading. `kind`: light, volume, shading, code, ambient or render. `name`: of the light or
-    volume. `folded`: the page shows the heading alone until it is opened."""
-
-    kind: str
-    name: str
-    title: str
-    controls: list[Control]
-    folded: bool = False
-
-
-def _read(table: Mapping, keys: Place, default: object) -> object:
-    for key in keys:
-        if not isinstance(table, Mapping) or key not in table:
-            return default
-        table = table[key]
-    return table
-
-
-def _is_keyed(value: object) -> bool:
-    return isinstance(value, Mapping) and "keys" in value
-
-
-class Maker:
-    """Makes the controls of one table of the scene."""
-
-    def __init__(self, table: Mapping, place: Place, path: str) -> None:
-        self._table, self._place, self._path = table, place, path
-        self.controls: list[Control] = []
-
-    def has(self, *keys: str) -> bool:
-        return _read(self._table, keys, None) is not None
-
-    def value(self, *keys: str) -> object:
-        return _read(self._table, keys, None)
-
-    def add(self, label: str, kind: str, keys: Place, default: object, whole: bool = False, **more: object) -> None:
-        """`whole`: the key takes whole numbers alone."""
-        value = _read(self._table, keys, default)
-        place = (*self._place, *keys)
-        name = ".".join(str(key) for key in keys)
-        is_keyed = _is_keyed(value)
-        if kind in ("number",) and not is_keyed and not is_number(value):
-            return  # a grid or another form that has no slider
-        if kind in ("colour", "vector") and not is_keyed and not _is_triple(value):
-            return
-        given: dict = {"is_keyed": is_keyed, **more}
-        changes = lambda it: [(place, round(it) if whole else it)]  # noqa: E731
-        self.controls.append(Control(f"{self._path}.{name}", label, kind, value, changes, **given))
-
-    def add_pair(self, label: str, keys: Place, default: tuple[float, float], ascends: bool = True,
-                 ends: tuple[str, ...] = ("low", "high")) -> None:  # fmt: skip
-        """A slider for each number of a pair. `ascends`: one end moves the other along where it has to."""
-        value = _read(self._table, keys, list(default))
-        if not (isinstance(value, list) and len(value) == 2 and all(is_number(one) for one in value)):
-            return
-        place, name = (*self._place, *keys), ".".join(str(key) for key in keys)
-        low, high = value
-        least, most = min(0.0, low), max(1.0, high)
-        gap = 1e-3 * (most - least)
-        changes = {
-            "low": lambda v: [(place, [v, max(high, v + gap) if ascends else high])],
-            "high": lambda v: [(place, [min(low, v - gap) if ascends else low, v])],
-        }
-        for end, one in (("low", low), ("high", high)):
-            if end in ends:
-                self.controls.append(
-                    Control(f"{self._path}.{name}.{end}", f"{label}, {end}", "number", one, changes[end], least, most)
-                )
-
-    def add_curve(self, label: str, kind: str, keys: Place) -> None:
-        """A curve where there is one, or can be one."""
-        given = _read(self._table, keys, None)
-        points = _curves.points(kind, given) if given is not None else []
-        place, name = (*self._place, *keys), ".".join(str(key) for key in keys)
-        changes = lambda it: _curves.changes(kind, place, it, given)  # noqa: E731
-        self.controls.append(
-            Control(f"{self._path}.{name}", label, kind, points, changes, is_keyed=points is None)
-        )  # fmt: skip
-
-    def add_angles(self, label: str, key: str, up: np.ndarray) -> None:
-        """Two sliders for a direction."""
-        value = _read(self._table, (key,), None)
-        if not _is_triple(value):
-            return
-        azimuth, elevation = angles_of(value, up)
-        place = (*self._place, key)
-        self.controls += [
-            Control(f"{self._path}.azimuth", f"{label} azimuth", "number", azimuth,
-                    lambda a: [(place, direction_of(a, elevation, up))], -180.0, 180.0, unit="°"),
-            Control(f"{self._path}.elevation", "elevation", "number", elevation,
-                    lambda e: [(place, direction_of(azimuth, e, up))], -90.0, 90.0, unit="°"),
-        ]  # fmt: skip
-
-
-def _is_triple(value: object) -> bool:
-    return isinstance(value, list) and len(value) == 3 and all(is_number(part) for part in value)
 
 
 def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
@@ -229,12 +68,12 @@ def _volume(index: int, volume: Mapping) -> Group:
     else:
         make.add("albedo", "colour", ("medium", "albedo"), [0.9, 0.9, 0.9])
         make.add("extinction tint", "colour", ("medium", "extinction_tint"), _WHITE)
-        if _read(volume, ("medium", "phase", "type"), "hg") == "hg":
-            keys, g = ("medium", "phase", "g"), _read(volume, ("medium", "phase", "g"), 0.0)
+        if read(volume, ("medium", "phase", "type"), "hg") == "hg":
+            keys, g = ("medium", "phase", "g"), read(volume, ("medium", "phase", "g"), 0.0)
             place = ("volume", index, "medium", "phase")
             make.controls.append(
                 Control(f"volume.{name}.{'.'.join(keys)}", "phase g", "number", g,
-                        lambda it: [((*place, "type"), "hg"), ((*place, "g"), it)], -0.95, 0.95, is_keyed=_is_keyed(g))
+                        lambda it: [((*place, "type"), "hg"), ((*place, "g"), it)], -0.95, 0.95, is_keyed=is_keyed(g))
             )  # fmt: skip
         usual = "octaves" if make.has("medium", "octaves") else "single"
         make.add("scattering", "choice", ("medium", "scattering"), usual, choices=("single", "octaves", "full"))
@@ -252,7 +91,7 @@ def _volume(index: int, volume: Mapping) -> Group:
 
 
 def _promises(scene: Mapping) -> tuple[float, ...]:
-    """What the presets promise for this scene; none where it sets the dials by hand."""
+    """The errors that the qualities promise for this scene; () where the scene sets the dials by hand."""
     if any(key in scene.get("render", {}) for key in ("texel", "sheet_thickness")):
         return ()
     return _PROMISES[any("classified" in volume for volume in scene.get("volume", []))]
@@ -284,9 +123,9 @@ def _volume_code(index: int, volume: Mapping) -> Group:
                 is_keyed="ax_file" in volume)
     )  # fmt: skip
     for key, value in _code.parameters(volume):
-        if _is_triple(value):
+        if is_triple(value):
             make.add(f"${key}", "vector", ("parameters", key), None)
-        elif _is_keyed(value):
+        elif is_keyed(value):
             make.add(f"${key}", "number", ("parameters", key), None)
         elif is_number(value):
             least, most = _code.range_of(value)
@@ -304,7 +143,7 @@ def _render(scene: Mapping) -> Group:
 
 
 def groups_of(scene: Mapping, up: np.ndarray) -> list[Group]:
-    """The controls of a scene. `up`: the world's axis that angles of lights are measured from."""
+    """The controls of a scene. `up`: the axis of the world about which azimuths of lights are measured."""
     groups = [_light(i, light, up) for i, light in enumerate(scene.get("light", []))]
     ambient = Maker(scene, (), "scene")
     ambient.add("colour", "colour", ("ambient", "color"), [0.0, 0.0, 0.0], layer="ambient", law="factor")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ramps and transfer functions as points that the page draws: [value of the grid, height, colour].
 
-A `ramp` has heights, `colours` have colours, and a `transfer` has both; what a kind does not have is None.
+A point of a `ramp` is [value, height, None], one of `colours` [value, None, colour], one of a `transfer` has both.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _WHITE = [1.0, 1.0, 1.0]
 
 
 def points(kind: str, given: object) -> list[list] | None:
-    """Of what a scene says; None where that is no list of plain numbers and colours."""
+    """The points of a curve in a scene; None where it is no list of plain numbers and colours."""
     if not isinstance(given, list):
         return None
     out = [_point(kind, one) for one in given]
@@ -32,7 +32,7 @@ def _point(kind: str, one: object) -> list | None:
 
 
 def accepts(kind: str, value: object) -> bool:
-    """Whether the page may give this. Where values descend or heights are bad, the scene's reader says it."""
+    """Whether `value` has the form of a curve of this kind. The reader of scenes checks the order and the heights."""
     if not isinstance(value, list) or not (len(value) >= 2 or (not value and kind != "transfer")) or len(value) > 256:
         return False
     return all(isinstance(one, list) and len(one) == 3 and _is_point(kind, *one) for one in value)
@@ -52,7 +52,7 @@ def _is_colour(value: object) -> bool:
 
 
 def changes(kind: str, place: Place, value: list[list], given: object) -> list[Change]:
-    """What writes the points into a scene. `given`: what it says now. No points: the key goes."""
+    """The changes that write points into a scene; [] removes the key. `given`: the curve that the scene has now."""
     if kind != "transfer":
         said = [[float(x), float(y) if kind == "ramp" else [float(c) for c in colour]] for x, y, colour in value]
         return [(place, said or None)]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The scene that is edited: its text, of which changes touch only the keys that change.
+"""The scene that is edited, as text. A change touches only the keys that it changes: tomlkit keeps comments, order and
+spelling of everything else.
 
-Tomlkit keeps comments, order and spelling of everything else. The text is also what is rendered, so that a saved scene
-shows what the viewer showed.
+This text is what is rendered, so a saved scene shows what the viewer showed.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ Place = tuple[str | int, ...]
 Change = tuple[Place, object]  # None removes the key
 
 _PLAIN = re.compile(r"[A-Za-z0-9_-]+")
-_DIGITS = 6  # significant ones of numbers that sliders give
+_DIGITS = 6  # significant digits of numbers from sliders
 
 
 def rounded(value: object) -> object:
-    """Numbers as a person would write them, in lists, too."""
+    """A number with as many digits as a person would write; in lists, each number."""
     if isinstance(value, float):
         return float(f"{value:.{_DIGITS}g}")
     if isinstance(value, (list, tuple)):
@@ -88,7 +88,8 @@ def _change_list(document: dict, tables: list, index: int, value: object) -> Non
 
 
 def _merged(before: Mapping, after: Mapping, base: Mapping, place: Place = ()) -> Iterator[Change]:
-    """What leads from `base` to where `after` is from `before`. Items of lists of tables are known by their names."""
+    """The changes from `before` to `after`, as changes of `base`. Items of lists of tables are identified by their
+    names."""
     for key in [*before, *(key for key in after if key not in before)]:
         old, new, now = before.get(key), after.get(key), base.get(key)
         if old == new:
@@ -112,8 +113,8 @@ def _merged_lists(key: str, before: list, after: list, base: list) -> Iterator[C
 
 
 def _written(value: object, before: object) -> object:
-    """A value as it is written in place of another. Texts of several lines keep the quotes that they have, or are
-    literal; lists of tables are a table in a line, below each other."""
+    """`value` as it is written in place of `before`. A text of several lines keeps the kind of quotes of `before`,
+    else it is literal. A list of tables has a line for each table."""
     if isinstance(value, str) and "\n" in value:
         return _lines(value, before)
     if not (isinstance(value, list) and value and all(isinstance(one, dict) for one in value)):
@@ -141,7 +142,7 @@ def _lines(text: str, before: object) -> String:
 def _new_table(document: dict, table: dict) -> dict:
     if not isinstance(document, tomlkit.TOMLDocument):
         return {}
-    # Beside the keys of a section a short table stays in its line; at the top it is a section.
+    # Within a section a short table is written in one line; at the top of the scene it becomes a section.
     return tomlkit.table() if table is document else tomlkit.inline_table()
 
 
@@ -152,7 +153,7 @@ class Document:
         self.file = file
         self._saved = text  # what the file holds
         self._original = text  # what a command line begins with
-        self._base = text  # what the changes are made to
+        self._base = text  # the text to which the changes are made
         self._past: list[tuple[str, str]] = []  # bases, and texts that were made of them
         self._future: list[tuple[str, str]] = []
         self._step: object = None
@@ -161,9 +162,9 @@ class Document:
     def _set(self, text: str) -> None:
         self.text = text
         self.data: dict = tomlkit.parse(text).unwrap()
-        # Reading a text takes longer than a slider may, so that what was read is changed in place.
-        self._parsed: tomlkit.TOMLDocument | None = None  # the text; None where it must be read first
-        self._next: tuple[str, tomlkit.TOMLDocument, dict] | None = None  # what `changed` made of it last
+        # Parsing the text takes too long for a slider, so the parsed text is changed in place.
+        self._parsed: tomlkit.TOMLDocument | None = None  # the text, parsed; None: not yet
+        self._next: tuple[str, tomlkit.TOMLDocument, dict] | None = None  # the last result of `changed`, parsed
 
     @property
     def can_undo(self) -> bool:
@@ -175,7 +176,7 @@ class Document:
 
     @property
     def is_changed(self) -> bool:
-        """Whether the file holds something else."""
+        """Whether the text differs from that of the file."""
         return not self.file or self.text != self._saved
 
     def changed(self, changes: Iterable[Change]) -> str:
@@ -190,7 +191,7 @@ class Document:
         return text
 
     def data_of(self, text: str) -> dict:
-        """The tables of a text: of this one, or of what `changed` gave last, without reading it again."""
+        """The tables of a text. The scene's text and the last result of `changed` are not parsed again."""
         if text == self.text:
             return self.data
         return self._next[2] if self._next and self._next[0] == text else tomlkit.parse(text).unwrap()
@@ -225,7 +226,8 @@ class Document:
         return True
 
     def on_base(self, base: str, instead: Mapping[str, object]) -> str:
-        """The text with the same changes to another base. `instead`: sections that count instead of theirs."""
+        """The text that the changes so far make of another base. `instead`: sections that replace those of the
+        result."""
         return base if self.text == self._base and not instead else _on_base(self._base, self.text, base, instead)
 
     def take_base(self, base: str, text: str) -> None:
@@ -252,7 +254,7 @@ class Document:
         self._saved = self._original = self.text
 
     def assignments(self) -> list[str]:
-        """What --set must say to make this scene of the one that was opened. Raises UsageError where --set cannot."""
+        """Texts for --set that make this scene of the one that was opened. Raises UsageError where --set cannot."""
         original = tomlkit.parse(self._original).unwrap()
         before = dict(_values(original))
         now = dict(_values(self.data))
@@ -262,7 +264,7 @@ class Document:
                 if (name := name_of(kind, index, one)) not in known:
                     raise UsageError(f"the command line cannot add '{kind}.{name}'; save the scene instead")
         gone = [path for path in before if path not in now]
-        rivals = ("camera.",)  # a value of a camera replaces its rivals by itself
+        rivals = ("camera.",)  # --set of a camera's key removes the keys that exclude it
         lost = [path for path in gone if not path.startswith(rivals)]
         if lost:
             raise UsageError(f"the command line cannot remove '{lost[0]}'; save the scene instead")
@@ -310,7 +312,7 @@ def _write_new(file: str, text: str) -> None:
 
 
 def _replace(file: str, text: str) -> None:
-    # Written beside its place and renamed, so that whoever reads it meanwhile sees a whole scene.
+    # Written beside the file and renamed: whoever reads the file meanwhile gets a whole scene.
     file = os.path.realpath(file)
     mode = os.stat(file).st_mode & 0o7777
     handle, part = tempfile.mkstemp(prefix=".scrim-view-", dir=os.path.dirname(file))

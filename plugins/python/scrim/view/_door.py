@@ -33,7 +33,7 @@ def is_any(host: str) -> bool:
 
 
 class Door:
-    """Listens at once. Port 0 is a free one. Raises OutputError where the address cannot be had."""
+    """Listens from the beginning. Port 0: any free port. Raises OutputError where the address is taken or foreign."""
 
     def __init__(self, host: str = "127.0.0.1", port: int = 0) -> None:
         self.host = host
@@ -80,7 +80,7 @@ class Door:
         return True
 
     def end_invitation(self) -> None:
-        """Nobody is waited for any more."""
+        """Removes the file of the invitation. The ticket is void from then on."""
         self._ticket = ""
         if self._folder:
             shutil.rmtree(self._folder, ignore_errors=True)

@@ -2,9 +2,9 @@
 """Lights by where they are in the picture: handles that are dragged, and the light that makes a highlight at a place.
 
 Places in the picture are (x, y), 0 to 1 from its upper left corner. A light with a position has its handle there, and
-moves in the plane through it that the picture shows without perspective. A light with a direction has its handle on a
-ball around the point that the view turns about: inside of the ball's outline in front of it, and outside of the outline
-behind it, the farther out the more.
+moves in the plane through the light that is parallel to the film. The handle of a light with a direction shows where on
+a ball around the view's pivot the light comes from: inside the ball's outline for its front half; outside the outline
+for its back half, the farther out the farther back.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ import numpy as np
 from ._camera import Pose
 from ._document import Change, name_of
 
-RADIUS = 0.35  # of the ball, in heights of the picture
-_REACH = 0.03  # of the picture's height on each side, from which a surface's normal is taken
+RADIUS = 0.35  # of the ball around the pivot, in heights of the picture
+_REACH = 0.03  # heights of the picture on each side of a place, from which the surface's normal is taken
 _STEPS = 5  # places on each side
 
 
 @dataclass(frozen=True)
 class View:
-    """A pose, and how much of the film is shifted: parts of its width, to the right and up."""
+    """A pose, and the shift of the film to the right and up, in widths of the film."""
 
     pose: Pose
     shift: tuple[float, float] = (0.0, 0.0)
 
     def seen(self, point: np.ndarray) -> tuple[float, float, float]:
-        """(x, y, how far ahead)"""
+        """(x, y, depth): the place of a point in the picture, and its distance along the view."""
         x, y, z = self.pose.matrix[:3, :3].T @ (point - self.pose.eye)
         across = self.pose.lens.height_at(max(-z, 1e-9)) * self.pose.lens.aspect
         aspect = self.pose.lens.aspect
         return 0.5 + x / across - self.shift[0], 0.5 - (y / across - self.shift[1]) * aspect, -z
 
     def point(self, x: float, y: float, ahead: float) -> np.ndarray:
-        """The point of the world that is seen there."""
+        """The point of the world that is seen at a place in the picture, at the depth `ahead`."""
         lens = self.pose.lens
         across = lens.height_at(ahead) * lens.aspect
         place = ((x - 0.5 + self.shift[0]) * across, ((0.5 - y) / lens.aspect + self.shift[1]) * across, -ahead)
@@ -45,8 +45,8 @@ class View:
 
 
 def of(scene: Mapping, view: View) -> list[dict]:
-    """A handle for each light that has a place or a direction of plain numbers: its `light`, `kind` (place or way), and
-    where it is: `x`, `y`."""
+    """A handle for each light whose position or direction is plain numbers: `light`, its name; `kind`, "place" or
+    "way"; `x`, `y`, the handle's place in the picture."""
     out = []
     for index, light in enumerate(scene.get("light", [])):
         kind = _kind(light)
@@ -60,7 +60,7 @@ def of(scene: Mapping, view: View) -> list[dict]:
 
 
 def moved(scene: Mapping, index: int, view: View, x: float, y: float) -> list[Change]:
-    """What brings the handle of a light to a place in the picture. No light without a handle may be asked for."""
+    """The changes that bring the handle of a light to a place in the picture. The light must have a handle."""
     light = scene["light"][index]
     if _kind(light) == "place":
         ahead = view.seen(np.array(light["position"], float))[2]
@@ -105,9 +105,9 @@ def _from_ball(view: View, x: float, y: float) -> np.ndarray:
 
 
 def highlit(scene: Mapping, index: int, view: View, depth: np.ndarray, x: float, y: float) -> list[Change] | None:
-    """What makes a light shine brightest on the surface that is seen at a place: a medium from straight in front of it,
-    a classified surface so that it reflects the light to the eye. A light with a position keeps its distance. None
-    where nothing is seen. `depth`: along the view, (height, width), 0 where it is empty."""
+    """The changes that make a light shine brightest on the surface that is seen at a place: a medium from straight in
+    front of it, a classified surface so that it reflects the light to the eye. A light with a position keeps its
+    distance. None where nothing is seen. `depth`: along the view, (height, width), 0 where it is empty."""
     found = _surface(view, depth, x, y)
     if found is None:
         return None
@@ -131,7 +131,7 @@ def highlit(scene: Mapping, index: int, view: View, depth: np.ndarray, x: float,
 
 
 def _surface(view: View, depth: np.ndarray, x: float, y: float) -> tuple[np.ndarray, np.ndarray] | None:
-    """The point that is seen and its normal, of the plane that fits to what is seen around it."""
+    """The point that is seen, and the normal of the plane that fits best to the points that are seen around it."""
     height, width = depth.shape
     column, row = min(int(x * width), width - 1), min(int(y * height), height - 1)
     if depth[row, column] <= 0:

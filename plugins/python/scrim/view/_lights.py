@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""New lights with usual values, placed so that their effect is seen, and lights that go."""
+"""New lights with usual values, placed so that their effect is seen, and the removal of lights."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ._document import Change, name_of
 KINDS = ("distant", "point", "sphere", "rectangle", "dome")
 _IRRADIANCE = 4 * math.pi  # thin white smoke is then as bright as a white card
 _FROM = (0.6, 0.65, 0.45)  # to the right of the view, above, towards the eye
-_FAR = 0.3  # heights of the picture from what the view turns around
+_FAR = 0.3  # heights of the picture between a new light and the view's pivot
 _SIZE = 0.08  # of a new light, in heights of the picture
 
 
@@ -46,7 +46,8 @@ def added(scene: Mapping, kind: object, pose: Pose, shining: Mapping[str, list[f
 
 
 def removed(scene: Mapping, index: int) -> list[Change]:
-    """What takes a light out of a scene. Lights that have no name keep the one that they are known by."""
+    """The changes that remove a light. Later lights without names are known by their numbers, which change: the default
+    names that they have now are written into the scene."""
     lights = scene["light"]
     gone = name_of("light", index, lights[index])
     changes: list[Change] = [
@@ -63,7 +64,7 @@ def removed(scene: Mapping, index: int) -> list[Change]:
 
 
 def _irradiance(scene: Mapping, shining: Mapping[str, list[float]]) -> float:
-    """That of the scene's brightest sun, so that a new light is seen beside it."""
+    """The irradiance of a new light: that of the scene's brightest sun, so that both are seen."""
     suns = [
         max(shining.get(name_of("light", index, light), [0.0]))
         for index, light in enumerate(scene.get("light", []))
@@ -77,7 +78,7 @@ def _digits(value: float) -> float:
 
 
 def _short(point: np.ndarray) -> list[float]:
-    """With digits for a thousandth of its largest part."""
+    """The vector, rounded to a thousandth of its largest component."""
     most = float(np.abs(point).max())
     digits = 3 - math.ceil(math.log10(most)) if most > 0 else 3
     return [round(float(v), digits) + 0.0 for v in point]

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import scrim
+from .. import _scrim
 
 SIZE = 97
 _FINE_SECONDS = 0.5  # until the fine table is made, so that the first picture has the processor
@@ -34,7 +34,7 @@ def _nodes(size: int) -> np.ndarray:
     return np.ascontiguousarray(colours.reshape(size * size, size, 4), dtype=np.float32)
 
 
-def table(shot: scrim.Shot, display: str, view: str, size: int = SIZE) -> bytes:
+def table(shot: _scrim.Shot, display: str, view: str, size: int = SIZE) -> bytes:
     """The display's values from 0 to 1: size^3 words of 32 bits, red fastest. A word holds ten bits of red from the
     lowest bit up, then green, then blue, which is a quarter of a step of 8 bits."""
     shown = shot.displayed(_nodes(size), display, view)[..., :3]
@@ -60,12 +60,12 @@ class Tables:
         self._threads: list[threading.Thread] = []
 
     def close(self) -> None:
-        """Waits for tables that are being made."""
+        """Waits until no table is being made."""
         for thread in self._threads:
             if thread.is_alive():
                 thread.join()
 
-    def of(self, shot: scrim.Shot, display: str, view: str) -> Lut:
+    def of(self, shot: _scrim.Shot, display: str, view: str) -> Lut:
         def refine() -> None:
             self._made[display, view] = Lut(SIZE, table(shot, display, view))
             self._later(0.0, self._show)

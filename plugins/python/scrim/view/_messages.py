@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of what a page sends: it may be any program that knows the token. They raise UsageError."""
+"""Checks of messages from a page, which may be any program that knows the token. They raise UsageError."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*\.toml\Z")
 
 
 def is_number(value: object) -> bool:
-    """Whether a scene can hold it. Whole numbers may have any length, which most arithmetic refuses."""
+    """Whether a scene can hold `value` as a number. Python's whole numbers may be too long for a float: those are
+    none."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
 
 
 def number(value: object) -> float:
-    """A part of a drag."""
+    """A component of a drag."""
     if not (is_number(value) and abs(value) < 1e3):
         raise UsageError(f"the page gives {shortened(value)}; expected a number")
     return float(value)
@@ -44,7 +45,8 @@ def names(value: object) -> list[str]:
 
 
 def told(error: Exception) -> str:
-    """What users are told of an error. One that is not Scrim's is a mistake of the viewer: the log says where."""
+    """The text of an error for users. An error of a class that is not Scrim's is a mistake of the viewer: the log
+    gets its traceback."""
     if isinstance(error, Error):
         return str(error)
     logging.getLogger("scrim").error("the viewer failed", exc_info=error)
@@ -70,7 +72,7 @@ def file_name(value: object) -> str:
 
 
 def window(value: object, size: tuple[int, int]) -> tuple[int, int, int, int] | None:
-    """x0, y0, x1, y1 in pixels of a picture of this size, of a box in parts of it; None where none is given."""
+    """x0, y0, x1, y1 in pixels, of a box in parts of a picture of this size; None where no box is given."""
     if value is None:
         return None
     if not (isinstance(value, list) and len(value) == 4):

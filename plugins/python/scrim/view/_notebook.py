@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class View:
-    """A viewer that runs until `close`, or as long as Python does. A notebook shows it where a cell ends with it."""
+    """A viewer that runs until `close`, or until Python ends. A notebook displays it as the value of a cell."""
 
     def __init__(self, opened: Opened, height: int) -> None:
         from ._server import Server
@@ -64,7 +64,7 @@ class View:
     def close(self) -> None:
         """Ends the viewer."""
         if self._thread.is_alive() and self._loop is not None:
-            self._text = self.toml  # is still there then
+            self._text = self.toml  # the session is gone afterwards
             self._loop.call_soon_threadsafe(self._server.end)
             self._thread.join()
 
@@ -79,7 +79,7 @@ class View:
 
 
 def opened_of(shot: Shot, frame: int | None, folder: object, volumes: Mapping[str, object] | None) -> Opened:
-    """What a viewer looks at for a shot."""
+    """The `Opened` of a shot."""
     path = os.path.abspath(os.fspath(folder) if folder else os.path.dirname(shot.path) or ".")
     grids = {name: fields_of(given) for name, given in (volumes or {}).items()}
     frames = list(shot.frames)

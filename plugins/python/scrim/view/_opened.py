@@ -21,12 +21,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Opened:
-    """What is looked at. `text`: the scene; `file`: its own file, "" where it has none yet; `folder`: what its paths
-    are relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it;
-    `others`: files beside it that the page may open; `text_at`: the scene of another frame, where each has one of its
-    own; `keeps`: what the scene's files live as long as; `temporary`: the folder of those that end with it; `cameras`:
-    paths of a stage's cameras, through which `keeps` can look; `grids`: made in code, by the names of volumes;
-    `loaded`: a shot whose volumes need not be loaded again, and which nobody uses any more."""
+    """What a viewer looks at.
+
+    `text`: the scene.  `file`: the file of the scene; "": it has none yet.  `folder`: paths of the scene are relative
+    to it, and the scene may be saved there.  `input`, `options`: what a command line names as its input, and its
+    further words.  `frames`, `frame`: all frames, and the first one to show.  `ocio`: the config of OpenColorIO, "":
+    that of the environment.  `others`: files of the same folder that the page may open. `text_at(frame)`: the scene
+    of a frame of a stage; None: all frames have one scene.  `keeps`: an object that owns files of the scene: the shot
+    of a stage, or the user's.  `temporary`: the folder of the files that are removed with `keeps`; "": there are
+    none.  `cameras`: paths of the stage's cameras, for `keeps.through`. `grids`: grids made in code, by names of
+    volumes.  `loaded`: a shot that has loaded the volumes of the scene, and that nobody else uses."""
 
     text: str
     file: str
@@ -45,8 +49,8 @@ class Opened:
     loaded: object = None
 
     def temporary_files(self, scene: Mapping) -> dict[str, str]:
-        """The scene's files that end with what is looked at: what the scene calls them, and their paths. Whatever key
-        names them: meshes, volumes, their grids, pictures of domes, profiles of lights."""
+        """Paths of the scene's files in the folder `temporary`, by their names in the scene. Any key may name one: of
+        meshes, volumes, grids, pictures of domes, profiles of lights."""
         if not self.temporary:
             return {}
         texts = {text for whole in _texts(scene) for text in (whole, whole.rpartition(":")[0])}  # FILE or FILE:GRID
@@ -55,14 +59,15 @@ class Opened:
         return {text: path for text, path in paths.items() if path.startswith(begin) and os.path.isfile(path)}
 
     def check_new(self, name: str) -> None:
-        """That neither a scene of this name nor the folder of its files is there. Raises OutputError."""
+        """Raises OutputError where a scene of this name, or the folder for its files, exists."""
         for path in (os.path.join(self.folder, name), self._files_of(name)):
             if os.path.lexists(path):
                 raise OutputError(f"{path}: there is such a file already; choose another name")
 
     def copied(self, files: Mapping[str, str], name: str) -> dict[str, str]:
-        """Copies files into a folder beside the scene that will have this name: what that calls them. They keep their
-        places below the temporary folder, so that equal names stay apart. Raises OutputError."""
+        """Copies files into the folder for the files of the scene `name`. Returns their new names, by their names in
+        the present scene. A file keeps its place below the temporary folder, so equal names stay apart. Raises
+        OutputError."""
         folder, names = self._files_of(name), {}
         try:
             os.mkdir(folder)
@@ -78,14 +83,14 @@ class Opened:
         return names
 
     def forget_copies(self, name: str) -> None:
-        """Removes what was copied for a scene that was not saved."""
+        """Removes the files that were copied for a scene that could not be saved."""
         shutil.rmtree(self._files_of(name), ignore_errors=True)
 
     def _files_of(self, name: str) -> str:
         return os.path.join(self.folder, name.removesuffix(".toml") + ".files")
 
     def command(self, file: str, sets: list[str], overrides: Mapping[str, object], frame: int | None) -> str:
-        """The command line that renders a scene of this: `file` "" is what was opened; `sets` are texts for --set."""
+        """The command line that renders the scene. `file`: of the saved scene; "": `input`. `sets`: texts for --set."""
         sets = sets + [toml_text.assignment(key, value) for key, value in overrides.items()]
         words = ["scrim", "render", file or self.input, *self.options]
         words += [word for one in sets for word in ("--set", one)]
@@ -102,7 +107,7 @@ def _texts(value: object) -> Iterator[str]:
 
 
 def renamed_files(value: object, names: Mapping[str, str], place: Place = ()) -> Iterator[Change]:
-    """What calls files in a scene by other names."""
+    """The changes that give the files in a scene other names."""
     if isinstance(value, Mapping):
         for key, one in value.items():
             yield from renamed_files(one, names, (*place, key))

@@ -6,14 +6,10 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-import scrim
-
+from .. import _scrim, usd
+from .._errors import Error, InputError, UsageError
 from ._opened import Opened
-
-if TYPE_CHECKING:
-    import scrim.usd
 
 _STAGES = (".usd", ".usda", ".usdc", ".usdz")
 _ASSETS = (".vdb", ".nrrd", ".nhdr", ".nii", ".gz")  # .nii.gz
@@ -24,21 +20,21 @@ def listed(folder: str) -> list[str]:
     try:
         names = sorted(entry.name for entry in os.scandir(folder) if entry.is_file())
     except OSError as error:
-        raise scrim.InputError(f"{folder}: {error.strerror}") from error
+        raise InputError(f"{folder}: {error.strerror}") from error
     kinds = ((".toml",), _STAGES, _ASSETS)
     found = [name for kind in kinds for name in names if os.path.splitext(name)[1].lower() in kind]
     if not found:
-        raise scrim.InputError(f"{folder}: there is nothing to show; expected .toml, .usd, .vdb, .nrrd or .nii")
+        raise InputError(f"{folder}: there is nothing to show; expected .toml, .usd, .vdb, .nrrd or .nii")
     return found
 
 
 def takes_long(path: str) -> bool:
-    """Whether it is read as a whole before anything is known of it: an asset, which is framed."""
+    """Whether opening `path` takes long: an asset is read whole to be framed."""
     return os.path.isfile(path) and os.path.splitext(path)[1].lower() in _ASSETS
 
 
 def may_load_usd(path: str) -> bool:
-    """Whether it is, or a folder may hold, a stage."""
+    """Whether `path` is a stage, or a folder, which may hold one."""
     return os.path.isdir(path) or os.path.splitext(path)[1].lower() in _STAGES
 
 
@@ -50,22 +46,22 @@ def opened(
     up: tuple[float, float, float] | None = None,
     resolution: tuple[int, int] | None = None,
 ) -> Opened:
-    """Raises scrim.Error where it cannot be opened. An asset becomes the scene that `scrim render` makes of it, and a
-    stage one for each of its frames; both have no file until they are saved. Of a folder it is the first file that
-    opens, and the others are listed. `up` and `resolution` are for assets."""
+    """Opens a scene, an asset, a stage, or the first file of a folder that opens. An asset becomes the scene that
+    `scrim render` makes of it; a stage becomes a scene for each frame; neither has a file until it is saved. `up` and
+    `resolution` are for assets. Raises scrim.Error where `path` cannot be opened."""
     if os.path.isdir(path):
         return _first_of(path, listed(path), frame, ocio)
     folder = os.path.dirname(os.path.abspath(path))
     options = ["--ocio", ocio] if ocio else []
     if os.path.splitext(path)[1].lower() in _STAGES:
         return _stage(path, frame, ocio)
-    shot = scrim.open(path, ocio=ocio, up=up, resolution=resolution, checked_frame=frame or 1)
+    shot = _scrim.open(path, ocio=ocio, up=up, resolution=resolution, checked_frame=frame or 1)
     frames = shot.frames
     number = frame if frame is not None else frames[0]
     if shot.is_asset:
         return Opened(shot.toml(), "", folder, path, frames, number, ocio, options, loaded=shot)
     if up or resolution:
-        raise scrim.UsageError(f"{path}: --up and --res are for assets; this scene says both itself")
+        raise UsageError(f"{path}: --up and --res are for assets; this scene says both itself")
     with open(path, encoding="utf-8", newline="") as file:
         text = file.read()
     return Opened(text, path, folder, path, frames, number, ocio, options)
@@ -73,19 +69,19 @@ def opened(
 
 def _first_of(folder: str, names: list[str], frame: int | None, ocio: str) -> Opened:
     """The first file that opens, since one bad file shall not hide the others."""
-    problem: scrim.Error | None = None
+    problem: Error | None = None
     for name in names:
         try:
             return replace(opened(os.path.join(folder, name), frame=frame, ocio=ocio), others=names)
-        except scrim.Error as error:
+        except Error as error:
             problem = problem or error
     raise problem
 
 
-def of_stage(shot: scrim.usd.Shot, frame: int, ocio: str = "", grids: Mapping[str, object] | None = None) -> Opened:
-    """A stage from this frame on, with the overrides of the shot."""
+def of_stage(shot: usd.Shot, frame: int, ocio: str = "", grids: Mapping[str, object] | None = None) -> Opened:
+    """The `Opened` of a stage, which begins with `frame`, with the overrides of the shot."""
     text, frames = shot.toml(frame), sorted({*shot.frames, frame})
-    # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
+    # Files that the scene names are in the shot's temporary folder, which is removed with the shot.
     return Opened(
         text, "", os.path.dirname(os.path.abspath(shot.path)), shot.path, frames, frame, os.fspath(ocio),
         ["--ocio", os.fspath(ocio)] if ocio else [], text_at=shot.toml, keeps=shot, temporary=shot.folder,
@@ -94,7 +90,5 @@ def of_stage(shot: scrim.usd.Shot, frame: int, ocio: str = "", grids: Mapping[st
 
 
 def _stage(path: str, frame: int | None, ocio: str) -> Opened:
-    import scrim.usd
-
-    shot = scrim.usd.open(path, ocio=ocio)
+    shot = usd.open(path, ocio=ocio)
     return of_stage(shot, shot.frames[0] if frame is None else frame, ocio)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rendered pictures, and how a scene with other strengths of its lights is made of them.
+"""Rendered pictures, and the picture of a scene with other strengths of its lights, which is made of them.
 
 Light adds up: a picture is the sum of a layer for each light, of ambient light and of emission, each in proportion to
 its strength. So other strengths are other weights, and need no render.
@@ -17,7 +17,7 @@ import numpy as np
 from ._document import name_of
 
 LAYERS = ["light", "ambient", "emission", "depth"]
-_OWN = "view"  # how groups begin that give each light a layer of its own
+_OWN = "view"  # names of groups that hold a single light begin with it
 _STRENGTHS = ("intensity", "exposure", "color", "temperature")
 _HALF_MOST = 65504.0
 _numbers = itertools.count(1)
@@ -25,7 +25,7 @@ _numbers = itertools.count(1)
 
 @dataclass(frozen=True)
 class Shape:
-    """All of a scene that a change of strengths leaves alone. `common`: what concerns the whole picture; `lights`: what
+    """Everything in a scene but the strengths. `common`: what concerns the whole picture; `lights`: what
     concerns each light alone; `render`: how exact the picture is. Two scenes with equal shapes differ by weights."""
 
     common: Mapping
@@ -41,7 +41,7 @@ class Strengths:
 
 
 def _emitter(scene: Mapping) -> dict | None:
-    """The emission whose factor is the strength of the layer: none where several add up in it."""
+    """The table whose factor is the strength of the layer "emission"; None where several add up in it."""
     found = [
         (volume["medium"], key)
         for volume in scene.get("volume", [])
@@ -76,8 +76,8 @@ def shape_of(scene: Mapping, view: Mapping, frame: int) -> Shape:
 
 
 def own_layers(lights: Iterable[str]) -> dict[str, str]:
-    """Overrides of a scene with these lights that give each of them a layer of its own, of a name that tells which it
-    is: by themselves lights share the layers of their groups, and layers have names that suit compositing programs."""
+    """Overrides that put each light into a group of its own, and so give it a layer whose name holds its number.
+    Without them, lights share the layers of their groups, and names are changed to suit compositing programs."""
     return {f"light[{index}].group": f"{_OWN}{index}" for index, _ in enumerate(lights)}
 
 
@@ -91,7 +91,7 @@ def strengths_of(scene: Mapping, resolved: Mapping) -> Strengths:
 
 
 def weight(wanted: np.ndarray, rendered: np.ndarray) -> np.ndarray | None:
-    """The factors on a layer, one a channel; None where a channel is to shine that was rendered dark."""
+    """The factors on a layer, one for each channel; None where a channel that was rendered dark is to shine."""
     if np.any((rendered == 0) & (wanted != 0)):
         return None
     return np.divide(wanted, rendered, out=np.ones(3), where=rendered != 0)
@@ -99,7 +99,7 @@ def weight(wanted: np.ndarray, rendered: np.ndarray) -> np.ndarray | None:
 
 @dataclass(frozen=True)
 class Texture:
-    """A picture as the page takes it: float16, (height, width, 1, 3 or 4). Its number is its own for good."""
+    """A picture as the page takes it: float16, (height, width, 1, 3 or 4). No other texture gets its number."""
 
     pixels: np.ndarray
     number: int = field(default_factory=lambda: next(_numbers))
@@ -171,7 +171,7 @@ class Pictures:
         for name, layer in self.layers.items():
             factors = weight(wanted.of.get(name, layer.strength), layer.strength)
             if factors is None:
-                factors = np.ones(3)  # until its own render is there
+                factors = np.ones(3)  # until the light has been rendered anew
             if name in muted:
                 factors = np.zeros(3)
             out[name] = [float(f) for f in factors]
@@ -191,7 +191,7 @@ class Pictures:
         return stale
 
     def lacks(self, strengths: Strengths) -> bool:
-        """Whether ambient light or emission is to shine that was rendered dark."""
+        """Whether ambient light or emission is to shine, but was rendered dark."""
         layers = self.layers or {}
         pairs = [(strengths.of[n], layers[n].strength) for n in ("ambient", "emission") if n in layers]
         return any(weight(wanted, rendered) is None for wanted, rendered in pairs)
@@ -200,7 +200,7 @@ class Pictures:
 def pictures_of(
     frame: object, shape: Shape, strengths: Strengths, stage: str, seconds: float, has_layers: bool = False
 ) -> Pictures:
-    """Of a rendered `scrim.Frame`, with its layers where they were asked for, by `own_layers`."""
+    """The pictures of a rendered `scrim.Frame`; with layers, if they were asked for by `own_layers`."""
     inside = _inside(frame)
     beauty = frame.image[inside]
     if not has_layers:
@@ -216,7 +216,7 @@ def pictures_of(
             texture = Texture.of(pixels) if pixels.any() else None
             layers[name] = Layer(texture, strengths.of.get(name, np.ones(3)), own, stage)
     depth = Depth.of(frame["depth"][inside]) if "depth" in frame.layers else None
-    # What remains of the sum is rounding, unless something shines that has no layer.
+    # The picture less its layers is rounding, unless a light has no layer.
     something = layers and float(np.abs(rest).max(initial=0)) > 1e-4 * max(float(beauty.max(initial=0)), 1e-6)
     left = Texture.of(rest) if something else None
     return Pictures(shape, Texture.of(beauty), layers, left, stage, strengths, depth=depth, seconds=seconds)

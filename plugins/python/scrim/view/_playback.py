@@ -22,7 +22,7 @@ class FrameCache:
         self._kept: OrderedDict[tuple[Hashable, int], Pictures] = OrderedDict()
 
     def keep(self, look: Hashable, frame: int, pictures: Pictures) -> None:
-        """`look`: all that a picture depends on beside its frame."""
+        """`look`: everything that a picture depends on, except for its frame."""
         self._drop((look, frame))
         self._kept[look, frame] = pictures
         self._size += pictures.beauty.pixels.nbytes
@@ -51,45 +51,60 @@ class FrameCache:
 
 class Player:
     """Plays the frames of a session, each as soon as its picture is there and not before its time. `session` shows a
-    frame (`show_frame`), and says how many there are a second (`fps`); `tell` and `later` are those of the session."""
+    frame (`show_frame`), and says how many there are a second (`fps`). The session
+    calls `go_on` if the picture of the frame is kept; otherwise it calls `wait`, and `took` once the picture is there.
+    `tell` and `later` are those of the session."""
 
     def __init__(self, session: object, frames: list[int], tell: Callable, later: Callable) -> None:
         self._session, self._frames, self._tell, self._later = session, frames, tell, later
         self._cache = FrameCache()
         self._since = 0.0  # when the frame was gone to
         self._waits = False  # for its picture
+        self._run = 0  # number of the last run: what an earlier run began has no effect
         self.is_playing = False
 
     def play(self, on: bool) -> None:
         begins = on and not self.is_playing and len(self._frames) > 1
         self.is_playing = on and len(self._frames) > 1
         if begins:
-            self._advance()
+            self._run += 1
+            self._advance(self._run)
+
+    def stop(self) -> None:
+        self.is_playing = False
 
     def find(self, look: Hashable, frame: int) -> Pictures | None:
         return self._cache.find(look, frame)
 
     def took(self, look: Hashable, frame: int, pictures: Pictures) -> None:
-        """Keeps a picture of a frame that was rendered, and goes on if that is what was waited for."""
+        """Keeps a rendered picture of a frame, and goes on if it was waited for."""
         if pictures.stage not in ("draft", "final"):
             return
         self._cache.keep(look, frame, replace(pictures, frame=None, layers=None, rest=None, depth=None))
         if self.is_playing and self._waits:
-            self._go_on()
+            self.go_on()
 
-    def _advance(self) -> None:
-        if not self.is_playing:
+    def _plays(self, run: int) -> bool:
+        return self.is_playing and run == self._run
+
+    def _advance(self, run: int) -> None:
+        if not self._plays(run):
             return
         frame = next((f for f in self._frames if f > self._session.frame), self._frames[0])
-        self._since, self._waits = time.monotonic(), True
+        self._since, self._waits = time.monotonic(), False
         try:
-            if self._session.show_frame(frame):
-                self._go_on()
+            self._session.show_frame(frame, lambda: self._plays(run))
         except Exception:
-            self.is_playing = False
+            self.stop()
             raise  # `later` tells it
 
-    def _go_on(self) -> None:
+    def wait(self) -> None:
+        """The frame was gone to, and its picture is being rendered."""
+        self._waits = True
+
+    def go_on(self) -> None:
+        """The picture of the frame that was gone to is there: the next one follows in time."""
         self._waits = False
         self._tell({"type": "frame", "number": self._session.frame})
-        self._later(max(1 / self._session.fps - (time.monotonic() - self._since), 0.001), self._advance)
+        seconds, run = max(1 / self._session.fps - (time.monotonic() - self._since), 0.001), self._run
+        self._later(seconds, lambda: self._advance(run))

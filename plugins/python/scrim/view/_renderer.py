@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Renders what is looked at, in a thread of its own: coarse while things move, then better and better.
+"""Renders the scene in a thread of its own: coarse while things move, then better and better.
 
-What is wanted may change at any time. The thread decides anew, after every render and while one is under way, what is
-the most useful render now (`next_task`); a render that serves no longer is cancelled.
+What is wanted may change at any time. After every render, and during each, the thread chooses the most useful render
+(`next_task`). It cancels a render whose picture is not wanted any more.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-import scrim
-
+from .. import _scrim
+from .._errors import Cancelled
 from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, own_layers, pictures_of, with_region
 
 # Dials while things move: coarse, in time that depends little on the volume. They replace the search of the dials that
@@ -33,23 +33,23 @@ _MOTION = {
 _DRAFT = {"render.quality": "draft", "render.tolerance": 0.0}
 _DIVISORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # of the resolution while things move
 _FIRST_SIZE = 200  # pixels of the longer side of the first picture
-_SLOW, _FAST = 0.06, 0.025  # seconds of a coarse render from which on the next one is coarser or finer
-_PATIENCE = 0.5  # seconds after which a coarse render that serves no longer is cancelled, too
+_SLOW, _FAST = 0.06, 0.025  # a coarse render of more seconds makes the next one coarser, one of fewer makes it finer
+_PATIENCE = 0.5  # seconds after which a coarse render whose picture is not wanted is cancelled, too
 _REST = 0.7  # seconds without a change after which the picture of the scene's file is made
 _VERIFIED = 400  # pixels that are compared with brute force on request
-_VERIFY_SECONDS = 30.0  # after which as many of them are enough as there are
+_VERIFY_SECONDS = 30.0  # after which the comparison ends with the pixels that were compared so far
 _POLL = 0.005
-_MATTERS = ("text", "view", "frame", "muted", "region", "verify", "plays")  # to whether what is wanted can be had
-_LONG = 6.0  # seconds from which on the picture of the file is one that a draft goes before
-_SOON = 1.0  # seconds of it after which that is known
+_MATTERS = ("text", "view", "frame", "muted", "region", "verify", "plays")  # whether a render fails depends on these
+_LONG = 6.0  # if the picture of the file takes more seconds, a draft is rendered before it
+_SOON = 1.0  # seconds of rendering it after which its whole time is estimated
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is looked at. `text`: the scene; `view`: overrides of the camera; `muted`: layers that do not shine;
-    `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `plays`: other frames
-    follow, so that a draft is enough; `region`: the pixels alone that are refined; `serial`: number of the last event;
-    `since`: when it came."""
+    """The picture that is wanted. `text`: the scene; `view`: overrides of the camera; `muted`: layers that do not
+    shine; `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `plays`: other
+    frames follow, so that a draft is enough; `region`: only these pixels are refined; `serial`: number of the last
+    event; `since`: when it came."""
 
     text: str
     shape: Shape
@@ -79,8 +79,8 @@ class Task:
 
 
 def next_task(wanted: Wanted, pictures: Pictures | None, now: float, is_slow: bool = False) -> Task | None:
-    """The render that helps most; None where there is nothing to do. `is_slow`: the picture of the file takes so long
-    that a draft is worth its time.
+    """The most useful render; None where there is nothing to do. `is_slow`: the picture of the file takes so long
+    that a draft is rendered before it.
 
     Whatever changes is seen coarsely first. At rest the picture of the file follows, and after it, while the user
     looks, the layers that changes of strengths will need."""
@@ -119,22 +119,22 @@ def next_task(wanted: Wanted, pictures: Pictures | None, now: float, is_slow: bo
 
 
 def is_exact(wanted: Wanted, pictures: Pictures | None) -> bool:
-    """Whether the picture is that of the scene's file, apart from muted layers."""
+    """Whether the picture is the one that the scene's file makes, apart from muted layers."""
     if pictures is None or pictures.frame is None:
         return False
     return pictures.shape == wanted.shape and _alike(pictures, wanted)
 
 
 def _alike(pictures: Pictures, wanted: Wanted) -> bool:
-    """Whether lights and strengths are those of the picture."""
+    """Whether the picture has the lights and strengths that are wanted."""
     now, then = wanted.strengths.of, pictures.strengths.of
     return pictures.shape.lights == wanted.shape.lights and all((now[n] == then[n]).all() for n in now if n in then)
 
 
 class Renderer:
     """`shown(pictures, wanted, task)` and `failed(error, wanted)` are called in this object's thread, `shown` also
-    while a picture of an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in
-    code, by the names of volumes. `loaded`: a shot that shares what it has loaded, and that is this object's from now on."""
+    for pictures of older events that are still useful. `folder`: paths of the scene are relative to it. `grids`: grids
+    made in code, by names of volumes. `loaded`: a shot whose loaded volumes are shared; only this object uses it."""
 
     def __init__(
         self,
@@ -144,20 +144,20 @@ class Renderer:
         shown: Callable[[Pictures, Wanted, Task], object],
         failed: Callable[[Exception, Wanted], object],
         grids: Mapping[str, object] | None = None,
-        loaded: scrim.Shot | None = None,
+        loaded: _scrim.Shot | None = None,
     ) -> None:
         self._given = {"folder": folder, "name": name, "ocio": ocio}
         self._shown, self._failed, self._grids = shown, failed, grids or {}
         self._shot = loaded
         self._wanted: Wanted | None = None
         self._pictures: Pictures | None = None
-        self._tried: Wanted | None = None  # what is worked for
-        self._bad: Wanted | None = None  # what cannot be rendered
+        self._tried: Wanted | None = None  # the picture that the thread works for
+        self._bad: Wanted | None = None  # the picture that could not be rendered last
         self._level: int | None = None
         self._is_slow = False
         self._stopped = False
         self._changed = threading.Condition()
-        self._job: scrim.Job | None = None
+        self._job: _scrim.Job | None = None
         self._thread = threading.Thread(target=self._run, name="scrim-view-renderer", daemon=True)
         self._thread.start()
 
@@ -167,26 +167,26 @@ class Renderer:
             self._changed.notify()
 
     def adopt(self, pictures: Pictures, wanted: Wanted) -> None:
-        """Takes pictures that were made before for what is wanted now."""
+        """Takes pictures that were rendered before as those of `wanted`."""
         with self._changed:
             self._pictures, self._wanted = pictures, wanted
             self._changed.notify()
 
     @property
     def progress(self) -> float | None:
-        """The finished part of the render under way; None where there is none."""
+        """The finished part of the present render; None where nothing is rendered."""
         job = self._job
         return job.progress if job is not None else None
 
     def stop(self) -> None:
-        """Cancels what runs, and ends the thread."""
+        """Cancels the present render, and ends the thread."""
         with self._changed:
             self._stopped = True
             self._changed.notify()
         self._thread.join()
 
     def _next(self) -> Task | None:
-        """What is to be done for `_tried`; None once this object is stopped."""
+        """The next task, for `_tried`; None once this object is stopped."""
         with self._changed:
             while not self._stopped:
                 wanted = self._wanted
@@ -195,14 +195,14 @@ class Renderer:
                     task = next_task(wanted, self._pictures, time.monotonic(), self._is_slow)
                     if task is not None:
                         return task
-                    if not is_exact(wanted, self._pictures):  # time alone may ask for a render
+                    if not is_exact(wanted, self._pictures):  # a render may become due by time alone
                         self._changed.wait(0.05)
                         continue
                 self._changed.wait()
         return None
 
     def _is_bad(self, wanted: Wanted) -> bool:
-        """Whether it is what could not be rendered, so that it would fail again."""
+        """Whether `wanted` would fail as `_bad` did."""
         bad = self._bad
         return bad is not None and all(getattr(bad, name) == getattr(wanted, name) for name in _MATTERS)
 
@@ -211,7 +211,7 @@ class Renderer:
             try:
                 if (task := self._next()) is not None:
                     self._render(self._tried, task)
-            except scrim.Cancelled:
+            except Cancelled:
                 pass
             except Exception as error:  # noqa: BLE001  whatever it is, users see it, and the next change is rendered
                 self._bad = self._tried
@@ -232,7 +232,7 @@ class Renderer:
         if task.kind not in ("exact", "verify"):
             over["camera.overscan"] = 0
             over["output.layers"] = LAYERS if task.kind == "layers" else []
-        # Lights by their places in the list: a name may hold what ends a part of a path.
+        # Paths name lights by their numbers: the name of a light may contain a dot.
         lights = list(enumerate(wanted.shape.lights))
         if task.kind in ("layers", "light"):
             over |= own_layers(wanted.shape.lights)
@@ -254,7 +254,7 @@ class Renderer:
     def _render(self, wanted: Wanted, task: Task) -> None:
         over, size = self._overrides(wanted, task)
         started = time.monotonic()
-        shot = scrim.loads(
+        shot = _scrim.loads(
             wanted.text, over, resolution=size, sharing=self._shot, checked_frame=wanted.frame, **self._given
         )
         for name, grids in self._grids.items():
@@ -284,11 +284,11 @@ class Renderer:
         self._shown(pictures, replace(newest, serial=wanted.serial), task)
 
     def _serves(self, task: Task, wanted: Wanted, seconds: float) -> bool:
-        """Whether the render under way is still wanted."""
+        """Whether the picture of the present render is still wanted."""
         newest = self._wanted
         if newest is wanted:
             return True
-        if task.stage == "motion":  # else nothing would ever appear while the mouse moves
+        if task.stage == "motion":  # if each was cancelled, no picture would appear while the mouse moves
             return seconds < _PATIENCE or newest.shape == wanted.shape
         if newest.shape.common != wanted.shape.common or newest.shape.render != wanted.shape.render:
             return False
@@ -300,7 +300,7 @@ class Renderer:
         return same and (task.kind != "verify" or newest.verify)
 
     def _is_long(self, task: Task, seconds: float, part: float) -> bool:
-        """Whether the picture of the file will take so long that a draft should go before it."""
+        """Whether the picture of the file will take so long that a draft is rendered before it."""
         if task.kind != "exact" or self._is_slow or seconds < _SOON or self._pictures.stage != "motion":
             return False
         self._is_slow = seconds > part * _LONG

@@ -25,15 +25,15 @@ import tornado.web
 import tornado.websocket
 from tornado.escape import json_encode
 
-import scrim
-
+from .. import _scrim
+from .._errors import UsageError
 from . import _luts, _messages
 from ._aside import Made, aside
 from ._door import Door, is_any
 from ._luts import Lut
+from ._opened import Opened
 from ._opening import opened
 from ._pictures import Texture
-from ._opened import Opened
 from ._session import Session
 
 _PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
@@ -49,8 +49,8 @@ _PROGRESS_SECONDS = 0.25
 
 
 class Server:
-    """Serves at a door; `run` begins. `opening()` gives what is looked at, or raises scrim.Error; meanwhile browsers
-    load the page."""
+    """Serves at a door from `run` on. `opening()`: returns the `Opened`, or raises scrim.Error; while it works,
+    browsers load the page."""
 
     def __init__(self, opening: Callable[[], Opened], door: Door) -> None:
         self.door = door
@@ -101,7 +101,7 @@ class Server:
         return self.status
 
     def aside(self, work: Callable[[], Made]) -> asyncio.Future[Made]:
-        """What `work` gives, which is done in a thread."""
+        """The result of `work`, which is called in a thread."""
         made = asyncio.get_running_loop().create_future()
         aside(
             work,
@@ -112,7 +112,7 @@ class Server:
         return made
 
     async def _open(self) -> bool:
-        """Opens what is looked at, and greets the browsers that wait for it. False where `end` came first."""
+        """Opens the scene, and greets the browsers that wait. False: `end` was called first."""
         made = self.aside(self._opening)
         ended = asyncio.ensure_future(self._ended.wait())
         await asyncio.wait({made, ended}, return_when=asyncio.FIRST_COMPLETED)
@@ -131,23 +131,23 @@ class Server:
         return Session(opened, self.tell, self.show, self._later, serial)
 
     async def open(self, name: object, serial: int) -> None:
-        """Shows another file of the folder. Raises whatever is wrong with it; the scene stays then."""
+        """Shows another file of the folder. Raises where it cannot be opened; the scene stays then."""
         others = self.session.opened.others
 
         def begin() -> Session:
             if name not in others:
-                raise scrim.UsageError(f"there is no {_messages.shortened(name)} among the files of the folder")
+                raise UsageError(f"there is no {_messages.shortened(name)} among the files of the folder")
             path = os.path.join(os.path.dirname(self._opened.input), name)
             return self._begin(replace(opened(path, ocio=self._opened.ocio), others=others), serial)
 
-        async with self._opens:  # one after the other, so that the last one is shown
+        async with self._opens:  # one after the other: the last one that was asked for is shown
             try:
                 new = await self.aside(begin)
             except Exception:
                 self.session.refuse(serial)
                 raise
             before, self.session = self.session, new
-            new.refuse(before.serial)  # what came in the meantime was for the scene that goes
+            new.refuse(before.serial)  # events that came in the meantime were for the scene before
             await self.aside(before.close)
 
     def end(self, status: int = 0) -> None:
@@ -180,7 +180,7 @@ class Server:
         """Whether a request names this machine as it should, and comes from our own page if from any."""
         host = _name_of(request.host)
         mine = {self.host.lower(), *_LOCAL}
-        if is_any(self.host):  # all that listen on every address: any number, and names of this machine
+        if is_any(self.host):  # listening on all addresses: any address in numbers, and the names of this machine
             mine |= {socket.gethostname().lower(), socket.getfqdn().lower()}
         if host not in mine and not (is_any(self.host) and _is_number(host)):
             return False
@@ -204,18 +204,18 @@ def _is_number(host: str) -> bool:
 
 
 class _Guarded(tornado.web.RequestHandler):
-    """Whatever is asked for needs the token, and a host and origin that are ours."""
+    """A request needs the token or the cookie, and a host and origin of this viewer."""
 
     def initialize(self, server: Server) -> None:
         self.server = server
 
     @property
     def _cookie(self) -> str:
-        return f"scrim-view-{self.server.port}"  # cookies of all ports of a host are one
+        return f"scrim-view-{self.server.port}"  # all ports of a host share cookies
 
     @property
     def _framed_by(self) -> str:
-        # A notebook's page may frame what has the token in its address: cookies of a frame would not be sent to us.
+        # A notebook's page may frame addresses that hold the token. Browsers do not send the cookies of such a frame.
         return "*" if self.request.path.startswith("/t/") else "'self'"
 
     def set_default_headers(self) -> None:
@@ -246,8 +246,9 @@ class _Page(_Guarded):
         if name not in _FILES:
             raise tornado.web.HTTPError(404)
         if self.is_guest:
-            # The address without it is what the history and the user's screen keep. The cookie is sent with what the
-            # file of the invitation leads to, too, which a strict one would not be; `allows` keeps out other pages.
+            # The browser is sent on to an address without the token, which its history and the screen then show. The
+            # cookie is lax: a strict one would not be sent after the file of the invitation. `allows` refuses requests
+            # from other pages.
             self.set_cookie(self._cookie, self.server.door.cookie, httponly=True, samesite="Lax")
             self.redirect("/" + name)
             return
@@ -271,22 +272,22 @@ class _Exr(_Guarded):
         self.finish(data)
 
 
-def _exr_of(frame: scrim.Frame) -> bytes:
+def _exr_of(frame: _scrim.Frame) -> bytes:
     with tempfile.TemporaryDirectory(prefix="scrim-view-") as folder:
         with open(frame.write(os.path.join(folder, "picture.exr")), "rb") as file:
             return file.read()
 
 
 class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
-    """One browser. It is sent a picture only after it said that it has the last one, so none queue up."""
+    """One browser. It gets a picture only after it said that it has the last one, so pictures do not queue up."""
 
     def initialize(self, server: Server) -> None:
         super().initialize(server)
         self._has: set[int] = set()  # numbers of textures there
-        self._waits = False  # for a browser that has not said yet that it has the last picture
+        self._waits = False  # the browser has not said yet that it has the last picture
         self._is_old = False  # what the browser has is not the newest
-        self._lut: Lut | None = None  # that is there
-        self._verified: object = None  # the frame whose verified pixels are there
+        self._lut: Lut | None = None  # that the browser has
+        self._verified: object = None  # the frame whose verified pixels the browser has
 
     def check_origin(self, origin: str) -> bool:
         return True  # `allows` has checked it
@@ -298,7 +299,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
             self.greet()
 
     def greet(self) -> None:
-        """Says and shows what there is."""
+        """Sends the state and the pictures."""
         self.tell(json_encode(self.server.session.state()))
         self.show()
 
@@ -346,7 +347,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         sent.add_done_callback(lambda done: done.cancelled() or done.exception())
 
     def show(self) -> None:
-        """Sends the newest pictures and the view's table, as far as the browser has not got them."""
+        """Sends the newest pictures and the view's table, unless the browser has them."""
         session = self.server.session
         pictures = session.pictures
         if pictures is None:

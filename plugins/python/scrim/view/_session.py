@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What all browsers of a viewer see and change together: the scene, the camera, and the newest pictures.
 
-Everything here runs in the thread of the server's event loop, except for what `_renderer` does in its own.
+Everything here runs in the thread of the server's event loop. The exceptions: `_renderer` has a thread of its own, and
+what `_aside` and `_turns` are given, such as reading a stage, is done in threads that they make.
 """
 
 from __future__ import annotations
@@ -11,10 +12,9 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-
-import scrim
-
+from .. import _scrim
 from .._bounds import Places
+from .._errors import UsageError
 from . import _code, _handles, _lights, _messages
 from ._aside import Made, aside
 from ._controls import Control, groups_of
@@ -23,17 +23,19 @@ from ._luts import Lut, Tables
 from ._opened import Opened, renamed_files
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
 from ._playback import Player
-from ._verified import verified
 from ._renderer import Renderer, Task, Wanted, is_exact
+from ._stage import Stage
+from ._verified import verified
 from ._viewpoint import Viewpoint
 
 _STILL = 0.25  # seconds without an event after which a held mouse counts as resting
+_SLOW = 0.3  # seconds of reading a stage after which the page says that it is read
 
 
 class Session:
     """`tell(message)`: sends a dict to all browsers. `show()`: sends them the newest pictures. `later(seconds, call)`:
-    calls in the event loop's thread, and may be called from any thread.
-    `serial`: number of the last event. Raises scrim.Error where the scene is bad."""
+    calls in the event loop's thread, and may be called from any thread. `serial`: number of the last event. Raises
+    scrim.Error where the scene is bad."""
 
     def __init__(
         self,
@@ -43,19 +45,19 @@ class Session:
         later: Callable[[float, Callable[[], object]], object],
         serial: int = 0,
     ) -> None:
-        self.opened = replace(opened, loaded=None)  # it is the renderer's
+        self.opened = replace(opened, loaded=None)  # the renderer takes the shot that is loaded
         self._tell, self._show = tell, show
         self._later = lambda seconds, call: later(seconds, lambda: self._careful(call))
         self.document = Document(opened.text, opened.file)
-        self._reader: scrim.Shot | None = None
+        self._reader: _scrim.Shot | None = None
         self.frame = opened.frame
         self._viewpoint = Viewpoint(Places(self._beside, self._knows_more))
-        self._frames_all = False  # once it is known where volumes are
+        self._frames_all = False  # the user wants to see all volumes, once it is known where they are
         self._muted: frozenset[str] = frozenset()
         self._serial = serial
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
-        self._through: tuple | None = None  # a stage through another of its cameras, and that camera in the scene
+        self._stage = Stage(opened, lambda: self.document.data.get("camera"), self._later, self._lost_stage)
         self._failed = ("", "")  # the scene that could not be rendered last, and why
         self.player = Player(self, opened.frames, tell, self._later)
         self._tables = Tables(lambda: self._show(), self._later)
@@ -74,10 +76,11 @@ class Session:
         self._renderer.want(self._wanted)
 
     def close(self) -> None:
-        """Ends it: browsers hear nothing more of it."""
+        """Ends the session. Browsers hear nothing more of it."""
         self._tell = self._show = lambda *_: None
         self._renderer.stop()
         self._tables.close()
+        self._stage.turns.close()
 
     @property
     def serial(self) -> int:
@@ -85,11 +88,11 @@ class Session:
         return self._serial
 
     def _beside(self, work: Callable[[], Made], then: Callable[[Made], object]) -> None:
-        """Calls `then` with what `work` gives, which is done in a thread."""
+        """Calls `work` in a thread, and `then` with its result."""
         aside(work, self._later, then, lambda problem: self._tell({"type": "error", "text": _messages.told(problem)}))
 
     def _careful(self, call: Callable[[], object]) -> None:
-        """What the event loop would only log is shown to browsers."""
+        """Shows browsers an exception of `call`, which the event loop would only log."""
         try:
             call()
         except Exception as error:  # noqa: BLE001
@@ -98,12 +101,12 @@ class Session:
     # ---- what browsers ask for
 
     def handle(self, message: Mapping) -> None:
-        """Does what a browser asks for. Raises scrim.Error where that is impossible, or whatever a message brings about
-        that nobody thought of; nothing has changed then."""
+        """Does what a browser asks for. Raises scrim.Error where that is impossible, and any exception for a mistake
+        of the viewer; the scene stays as it was."""
         kind = message.get("type")
         do = getattr(self, f"_on_{kind}", None) if isinstance(kind, str) and kind.isidentifier() else None
         if do is None:
-            raise scrim.UsageError(f"the page asks for '{kind}', which this viewer does not know")
+            raise UsageError(f"the page asks for '{kind}', which this viewer does not know")
         self._serial = max(self._serial, _messages.whole(message.get("serial", 0)))
         self._message, self._verify = "", kind == "verify"
         try:
@@ -113,7 +116,7 @@ class Session:
             raise
 
     def refuse(self, serial: int) -> None:
-        """What is there is right for this event, too, which changed nothing."""
+        """Answers an event that changed nothing: the pictures that are there count as those of the event."""
         self._serial = max(self._serial, serial)
         self._update(moves=False)
 
@@ -146,7 +149,7 @@ class Session:
                 raise
             return
         else:
-            raise scrim.UsageError(f"the page asks for the view '{to}'; expected scene, frame or keep")
+            raise UsageError(f"the page asks for the view '{to}'; expected scene, frame or keep")
         self._update(moves=False)
 
     def _frame_all(self) -> None:
@@ -155,19 +158,19 @@ class Session:
             self._message = "reading where the volumes are"
 
     def _knows_more(self) -> None:
-        """It is known where more of the volumes are."""
+        """Hears that the places of more volumes are known."""
         if self._frames_all:
             self._message = ""
             self._frame_all()
             self._update(moves=False)
         else:
-            self.send_state()  # handles of lights go with the point that the view turns about
+            self.send_state()  # the places of handles depend on the point that the view turns about
 
     def _on_set(self, message: Mapping) -> None:
         control = self._control(message.get("id"))
         value = message.get("value")
         if not control.accepts(value):
-            raise scrim.UsageError(f"{control.id}: the page gives {value!r}; expected a {control.kind}")
+            raise UsageError(f"{control.id}: the page gives {value!r}; expected a {control.kind}")
         self._change(control.changes(value), message)
 
     def _change(self, changes: Iterable[Change], message: Mapping) -> None:
@@ -192,7 +195,7 @@ class Session:
         name, lights = message.get("light"), self.document.data.get("light", [])
         index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
         if index is None:
-            raise scrim.UsageError(f"the scene has no light {name!r}")
+            raise UsageError(f"the scene has no light {name!r}")
         muted, self._muted = self._muted, self._muted - {f"light.{name}"}
         try:
             self._change(_lights.removed(self.document.data, index), message)
@@ -205,17 +208,17 @@ class Session:
         index, x, y = self._light(message)
         depth = self.pictures.depth if self.pictures else None
         if depth is None:
-            raise scrim.UsageError("where things are is known once the picture is finished: wait for it")
+            raise UsageError("where things are is known once the picture is finished: wait for it")
         changes = _handles.highlit(self.document.data, index, self._seen_from(), depth.mean, x, y)
         if changes is None:
-            raise scrim.UsageError("there is nothing to light at this place")
+            raise UsageError("there is nothing to light at this place")
         self._change(changes, message)
 
     def _light(self, message: Mapping) -> tuple[int, float, float]:
         name, lights = message.get("light"), self.document.data.get("light", [])
         index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
         if index is None or not _handles.has_handle(lights[index]):
-            raise scrim.UsageError(f"the scene has no light {name!r} that can be placed in the picture")
+            raise UsageError(f"the scene has no light {name!r} that can be placed in the picture")
         return index, _messages.number(message.get("x")), _messages.number(message.get("y"))
 
     def _seen_from(self) -> _handles.View:
@@ -225,60 +228,96 @@ class Session:
         """Looks through another camera of the stage."""
         name = message.get("name")
         if name not in self.opened.cameras:
-            raise scrim.UsageError(f"the stage has no camera {name!r}")
-        through = self.opened.keeps.through(name)
-        camera = through.scene(self.frame)["camera"]
-        self._viewpoint.free = None
-        self._change([(("camera",), None), (("camera",), camera)], message)
-        self._through = (through, self.document.data["camera"])
+            raise UsageError(f"the stage has no camera {name!r}")
+
+        def take(camera: Mapping) -> None:
+            self._message = ""
+            self._viewpoint.free = None
+            self._change([(("camera",), None), (("camera",), camera)], message)
+
+        self._message = f"reading the camera {name}"
+        self._stage.read_camera(name, lambda: self.frame, take, self._serial)
+        self.send_state()
 
     def _on_muted(self, message: Mapping) -> None:
         names = _messages.names(message.get("names"))
         known = {f"light.{name}" for name in self._wanted.shape.lights} | {"ambient", "emission"}
         if not set(names) <= known:
-            raise scrim.UsageError(f"the page mutes {names!r}; expected some of {', '.join(sorted(known))}")
+            raise UsageError(f"the page mutes {names!r}; expected some of {', '.join(sorted(known))}")
         self._muted = frozenset(names)
         self._update(moves=False)
 
     def _on_frame(self, message: Mapping) -> None:
-        self._go_to(_messages.frame(message.get("number")))
-        self._update(moves=not message.get("done", True))
+        number, moves = _messages.frame(message.get("number")), not message.get("done", True)
+        self._go_to(number, lambda: self._update(moves), self._serial)
 
     def _on_play(self, message: Mapping) -> None:
         self.player.play(bool(message.get("on")))
         self._update(moves=False)
 
-    def _go_to(self, number: int) -> None:
-        """Reads the scene of a frame. Raises scrim.Error; the frame stays then."""
+    def _go_to(
+        self,
+        number: int,
+        then: Callable[[], object],
+        serial: int | None = None,
+        is_wanted: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """Reads the scene of a frame, and calls `then`. Where the scene is bad, the frame stays: a scene of a file
+        raises scrim.Error; a stage is read beside, so `_lost_stage` hears of the error. `serial`: number of the event
+        that asks for the frame. `is_wanted()`: False: the frame stays, because it is not wanted any more."""
+        if not self._stage.has_frames:
+            self._read_at(number, self.document.text)
+            then()
+            return
+
+        def take(base: str, camera: Mapping | None) -> None:
+            self._message = ""
+            if not is_wanted():
+                self.send_state()
+                return
+            text = self.document.on_base(base, {} if camera is None else {"camera": rounded(camera)})
+            self._read_at(number, text)
+            self.document.take_base(base, text)
+            then()
+
+        self._stage.read_frame(number, take, serial)
+        self._later(_SLOW, self._say_that_the_stage_is_read)
+
+    def _read_at(self, number: int, text: str) -> None:
         before, self.frame = self.frame, number
         try:
-            if self.opened.text_at is None:
-                self._read(self.document.text)
-                return
-            base, instead = self.opened.text_at(number), {}
-            if self._through and self.document.data.get("camera") == self._through[1]:
-                instead["camera"] = rounded(self._through[0].scene(number)["camera"])
-            text = self.document.on_base(base, instead)
             self._read(text)
         except Exception:
             self.frame = before
             raise
-        self.document.take_base(base, text)
-        if instead:
-            self._through = (self._through[0], self.document.data["camera"])
 
-    def show_frame(self, number: int) -> bool:
-        """Goes to a frame while frames are played. Whether its picture is there; otherwise it is rendered."""
-        self._go_to(number)
+    def _say_that_the_stage_is_read(self) -> None:
+        if self._stage.turns.is_busy and not self._message:
+            self._message = "reading the stage"
+            self.send_state()
+
+    def _lost_stage(self, problem: BaseException) -> None:
+        """The stage could not be read."""
+        self.player.stop()
+        self._message = ""
+        self._tell({"type": "error", "text": _messages.told(problem)})
+        self._update(moves=False)
+
+    def show_frame(self, number: int, is_wanted: Callable[[], bool]) -> None:
+        """Goes to a frame while frames are played. Its picture is shown if it is kept; otherwise it is rendered."""
+        self._go_to(number, lambda: self._show_played(number), is_wanted=is_wanted)
+
+    def _show_played(self, number: int) -> None:
         self._wanted = self._now(moves=False)
         kept = self.player.find(self._look(), number)
         if kept is None:
             self._renderer.want(self._wanted)
-            return False
+            self.player.wait()
+            return
         self._renderer.adopt(kept, self._wanted)
         self.pictures = kept
         self._show()
-        return True
+        self.player.go_on()
 
     @property
     def _name(self) -> str:
@@ -296,7 +335,7 @@ class Session:
         return self.document.text, str(self._viewpoint.overrides()), self._muted
 
     def _on_region(self, message: Mapping) -> None:
-        """A part of the picture alone is refined; without a box all of it."""
+        """Only a part of the picture is refined; without a box, all of it."""
         self._region = _messages.window(message.get("box"), self._viewpoint.resolution)
         self._update(moves=False)
 
@@ -319,7 +358,7 @@ class Session:
     def _on_save(self, message: Mapping) -> None:
         name = _messages.file_name(message.get("name"))
         if not name and not self.document.file:
-            raise scrim.UsageError("the scene has no file yet: save it under a name")
+            raise UsageError("the scene has no file yet: save it under a name")
         files = self.opened.temporary_files(self.document.data) if name else {}
         if not files:
             return self._save(name)
@@ -329,7 +368,7 @@ class Session:
         self._beside(lambda: self.opened.copied(files, name), lambda names: self._save(name, names))
 
     def _save(self, name: str, names: Mapping[str, str] | None = None) -> None:
-        """`names`: of files that were copied for it, by what the scene calls them."""
+        """`names`: new names of files that were copied for the saved scene, by their names in the present one."""
         try:
             if names:
                 self._change(renamed_files(self.document.data, names), {})
@@ -345,7 +384,7 @@ class Session:
     def _on_display(self, message: Mapping) -> None:
         display, view = _messages.names([message.get("display"), message.get("view")])
         if view not in self.displays.get(display, ()):
-            raise scrim.UsageError(f"there is no view {view!r} of a display {display!r}")
+            raise UsageError(f"there is no view {view!r} of a display {display!r}")
         self.display, self.view = display, view
         self._show()
         self._update(moves=False)
@@ -353,8 +392,8 @@ class Session:
     # ---- the state
 
     def _read(self, text: str) -> None:
-        """Reads a scene with the engine, which says what is wrong with it."""
-        reader = scrim.loads(
+        """Reads a scene with the engine. Raises scrim.Error where it is bad."""
+        reader = _scrim.loads(
             text, folder=self.opened.folder, name=self._name, ocio=self.opened.ocio,
             sharing=self._reader, checked_frame=self.frame,
         )  # fmt: skip
@@ -367,7 +406,7 @@ class Session:
             for control in group.controls:
                 if control.id == name:
                     return control
-        raise scrim.UsageError(f"the scene has no control {name!r}")
+        raise UsageError(f"the scene has no control {name!r}")
 
     def _now(self, moves: bool) -> Wanted:
         data = self.document.data
@@ -390,7 +429,7 @@ class Session:
         )
 
     def _update(self, moves: bool) -> None:
-        """Renders and tells what follows from a change; while something is held, in few words."""
+        """Renders the scene as it is now. Tells browsers the whole state; while something is held, only the weights."""
         self._wanted = self._now(moves)
         self._renderer.want(self._wanted)
         if moves:
@@ -399,10 +438,15 @@ class Session:
             handles = _handles.of(self.document.data, self._seen_from())
             self._tell({"type": "weights", "weights": self.weights(), "handles": handles, "serial": self._serial})
             return
-        if self.exact_frame() is not None:  # no picture will come of this event: the one that is there is right
-            self.serial_shown = self._serial
+        if self.exact_frame() is not None:  # the event needs no new picture
+            self.serial_shown = self._answered()
             self._show()
         self.send_state()
+
+    def _answered(self) -> int:
+        """Number of the last event up to which no event waits for the stage."""
+        first = self._stage.turns.first_serial
+        return self._serial if first is None else min(self._serial, first - 1)
 
     def _rest_if_still(self) -> None:
         if self._wanted.moves and time.monotonic() - self._moved >= 0.9 * _STILL:
@@ -420,7 +464,7 @@ class Session:
         return self.pictures.weights(self._wanted.strengths, self._muted) if self.pictures else None
 
     def state(self) -> dict:
-        """All that the page shows beside the pictures."""
+        """Everything that the page shows beside the pictures."""
         return {
             "type": "state",
             "title": self._name,
@@ -453,10 +497,10 @@ class Session:
         self._tell(self.state())
 
     def command(self) -> str:
-        """The command line that renders this picture; what it cannot say is said instead."""
+        """The command line that renders this picture; where none can, a comment that says why."""
         try:
             sets = self.document.assignments()
-        except scrim.UsageError as error:
+        except UsageError as error:
             return f"# {error}"
         frame = self.frame if self.opened.frames != [1] or self.frame != 1 else None
         over = self._viewpoint.overrides()
@@ -472,22 +516,22 @@ class Session:
         """The table of the chosen view."""
         return self._tables.of(self._reader, self.display, self.view)
 
-    def exact_frame(self) -> scrim.Frame | None:
+    def exact_frame(self) -> _scrim.Frame | None:
         """The frame that the scene's file makes; None while it is not there."""
         return self.pictures.frame if is_exact(self._wanted, self.pictures) else None
 
     def error(self) -> dict | None:
-        """What a verification of the picture found: see `verification` of `--stats`. None where there was none."""
+        """The result of the picture's verification: see `verification` of `--stats`. None: it was not verified."""
         frame = self.verified()
         return frame.stats["verification"] if frame is not None else None
 
-    def verified(self) -> scrim.Frame | None:
-        """The frame that is the picture, where it was verified."""
+    def verified(self) -> _scrim.Frame | None:
+        """The frame of the picture, if it was verified."""
         frame = self.exact_frame()
         return frame if frame is not None and frame.error is not None else None
 
     def verified_pixels(self) -> dict:
-        """What the page shows of its pixels."""
+        """The verified pixels, as the page shows them."""
         return verified(self.verified(), self.document.data, self._viewpoint.resolution)
 
     def progress(self) -> float | None:
@@ -496,9 +540,10 @@ class Session:
     def _took(self, pictures: Pictures, wanted: Wanted, task: Task) -> None:
         def take() -> None:
             self.pictures = pictures
-            # Events that changed nothing may have come while it was rendered.
+            # Events that need no other picture may have come during the render.
             is_right = self.exact_frame() is not None
-            self.serial_shown = self._serial if is_right else max(self.serial_shown, wanted.serial)
+            shown = self._answered() if is_right else min(wanted.serial, self._answered())
+            self.serial_shown = max(self.serial_shown, shown)
             if wanted.frame == self.frame and self.weights() is None:
                 self.player.took(self._look(), self.frame, pictures)
             self._show()
@@ -516,7 +561,7 @@ class Session:
         self._later(0.0, tell)
 
     def _groups(self) -> list[dict]:
-        """The controls, as data. That of an expression with a mistake has it, too."""
+        """The controls, as data. The control of an expression with an error also has the error, as `mistake`."""
         groups = [
             {"kind": g.kind, "name": g.name, "title": g.title, "folded": g.folded,
              "controls": [c.as_data() for c in g.controls]}

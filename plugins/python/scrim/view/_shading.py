@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Controls for what shading does to the values of a volume (examples/guide/shading.md), where it is numbers."""
+"""Controls for the keys of shading (examples/guide/shading.md) that are numbers."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from ._controls import Maker
+from ._control_maker import Maker
 
 
 def add(make: Maker) -> bool:
-    """Adds them for a volume; whether the scene has any of them. What is not there yet begins at what changes nothing,
-    and its further numbers come with it."""
+    """Adds the controls of a volume. Returns whether the scene has any of these keys. A control of an absent key
+    begins at the value that changes nothing; controls of further numbers, such as a noise's frequency, come once the
+    key is there."""
     remap, noise, displacement = ("density", "remap"), ("density", "noise"), ("displacement",)
     make.add("resample", "number", ("resample",), 1.0, least=0.25, most=4.0, log=True)
     _noise(make, "displace", displacement)

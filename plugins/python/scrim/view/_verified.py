@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pixels that a verification compared with brute force, for the page: where they are, and how large their errors
-are beside what the picture promises."""
+"""The pixels that a verification compared with brute force, for the page: their places, and their errors beside the
+error that the picture promises."""
 
 from __future__ import annotations
 
@@ -10,13 +10,21 @@ import numpy as np
 
 from ._controls import promise_of
 
-_NO_PROMISE = 0.01  # what errors are compared with where a scene sets its dials by hand
+_NO_PROMISE = 0.01  # the error that stands for the promise of a scene that sets its dials by hand
 
 
 def verified(frame: object, scene: Mapping, resolution: tuple[int, int]) -> dict:
-    """`frame`: of `scrim.Frame`, with `examined`.  `promise`: the error that the scene promises; `states`: whether it
-    does. `pixels`: [x, y, picture, truth, error] of each pixel of the display window, worst first: red, green and blue,
-    and the RMS of their difference over the mean of the reference, which is that of alpha where the reference is black.
+    """`frame`: a `scrim.Frame` with `examined`. Returns a dict:
+
+    `promise`: the error that the scene promises, else _NO_PROMISE. `states`: whether the scene promises an error.
+    `pixels`: [x, y, picture, truth, error] of each compared pixel in the display window, largest error first.
+    `picture` and `truth` are red, green and blue.
+
+        error = sqrt(mean over r, g, b of (picture - truth)^2) / (mean of the reference)
+
+    Where that mean is 0, the reference is black, and alpha takes the place of the colours:
+
+        error = |alpha of picture - alpha of truth| / (mean alpha of the reference over the compared pixels)
     """
     examined, stats = frame.examined, frame.stats["verification"]
     picture, truth = examined["picture"], examined["truth"]

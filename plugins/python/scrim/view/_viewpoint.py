@@ -7,9 +7,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-import scrim
-
 from .. import _bounds
+from .._errors import UsageError
 from ._camera import Lens, Pose, world_up
 from ._document import Change
 
@@ -25,9 +24,9 @@ class Viewpoint:
         self._resolved: Mapping = {}
 
     def read(self, data: Mapping, resolved: Mapping) -> None:
-        """Takes a scene, and what `Shot.resolved` says of it."""
+        """Takes a scene. `resolved`: its `Shot.resolved`."""
         self._camera, self._resolved = data.get("camera", {}), resolved
-        self._places.of(resolved["volumes"])  # so that it is known by the time that it is needed
+        self._places.of(resolved["volumes"])  # asks for the boxes before they are needed
 
     @property
     def up(self) -> np.ndarray:
@@ -36,7 +35,7 @@ class Viewpoint:
 
     @property
     def pose(self) -> Pose:
-        """The one that is looked from now."""
+        """The pose of the view: the free one, else that of the scene's camera."""
         return self.free or self._of_scene()
 
     @property
@@ -76,21 +75,21 @@ class Viewpoint:
         elif mode == "dolly":
             self.free = pose.dollied(dy)
         else:
-            raise scrim.UsageError(f"the page asks for the movement '{mode}'; expected orbit, pan or dolly")
+            raise UsageError(f"the page asks for the movement '{mode}'; expected orbit, pan or dolly")
 
     def ask_again(self) -> None:
-        """Forgets of which files it could not be known where they are."""
+        """Asks anew for the boxes of files that could not be read."""
         self._places.ask_again()
 
     def frame_all(self) -> bool:
-        """Whether it is done: where volumes are may not be known yet."""
+        """Moves the view so that all volumes are seen. False: their boxes are not known yet."""
         volumes = self._resolved["volumes"]
         box = self._places.of(volumes)
         if self._places.waits:
             return False
         if box is None:
             files = [volume["file"] for volume in volumes.values() if volume["file"]]
-            raise scrim.UsageError(
+            raise UsageError(
                 f"'{files[0]}' does not say where its voxels are" if files else
                 "the volumes of this scene are not files, so their size is not known before a render"
             )
@@ -104,16 +103,16 @@ class Viewpoint:
         camera, over = self._resolved["camera"], {"camera.matrix": self.free.matrix.tolist()}
         if self.free.lens.height is not None:
             over["camera.height"] = self.free.lens.height
-        if "exr" in self._camera:  # the lens came from there, too
+        if "exr" in self._camera:  # the picture also gave the lens
             over |= {f"camera.{key}": camera[key] for key in ("fov", "shift", "pixel_aspect")}
         return over
 
     def kept(self) -> list[Change]:
-        """What makes the free view the scene's camera."""
+        """The changes that make the free view the scene's camera."""
         if self.free is None:
-            raise scrim.UsageError("the view is that of the scene's camera")
+            raise UsageError("the view is that of the scene's camera")
         if any(isinstance(value, dict) and "keys" in str(value) for value in self._camera.values()):
-            raise scrim.UsageError("the scene's camera has keys, which a still view would replace: edit the file")
+            raise UsageError("the scene's camera has keys, which a still view would replace: edit the file")
         camera = ("camera",)
         changes: list[Change] = [((*camera, key), None) for key in ("matrix", "orbit", "exr", "ndc")]
         places = {"position": self.free.eye, "target": self.free.pivot, "up": self.up}

@@ -38,7 +38,8 @@ struct Output {
 /// quad is (S.rgb, -alpha). With `coloured` extinction, quads are (S.rgb, 0), followed by one quad of opacities that
 /// all share: (-alpha.rgb, -the least of the three). Compositing has only these two forms, whatever the outputs are.
 ///
-/// Without `beauty`, output 0 has no quad of its own: all of its parts have one, and they are added up at the end.
+/// Without `beauty`, output 0, the beauty, has no quad: it is the sum of outputs [1, beautyParts), which all have
+/// one, and is made of them after compositing.
 struct OutputLayout {
     int outputs = 1;  ///< including the beauty
     bool coloured = false;

@@ -50,9 +50,10 @@ int pointsOnCells(const ViewScene& scene, const Light& light);
 /// that is small beside the volumes.
 bool isLampOnCells(const ViewScene& scene, const Light& light);
 
-/// True if lamps on cells keep their light together, but for that near each: there are more than a few, for which their
-/// own cells are more precise; no layer wants one alone; and no solid casts a shadow, whose edges near a lamp are too
-/// fine for that.
+/// True if the lamps on cells (isLampOnCells) share the cells that keep their light; only the light near a lamp is then
+/// kept on cells of its own. They share cells if there are more than four of them, since own cells are more precise; if
+/// no layer wants the light of one of them; and if no solid casts a shadow, since its edges near a lamp are too fine
+/// for shared cells.
 bool lampsShareCells(const ViewScene& scene);
 
 /// True if two lights differ in brightness only.

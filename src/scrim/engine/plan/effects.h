@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The effects that a scene needs and does not need, each with its reason and the lines of the scene that caused it.
 // They depend only on the scene and its plan. An effect that is off costs nothing: no buffer, no splat, no loop.
-//
-// Notes for later effects:
-//   holdouts               are volumes whose opacity counts and whose radiance does not: extinction channels like any
-//                          other (plan.h), without a medium in SheetShader's list. A depth picture ends rays in the
-//                          same way as the near plane starts them (cutSlab in compositor.cpp).
-// Each is a pass, a channel or a layout of its own, so that none doubles the existing loops.
+// Each is a pass, a channel or a layout of its own, so that none doubles the loops of others. For example, volumes that
+// are held out are extinction channels like any other (plan.h), whose media have no albedo (SheetShader); solids that
+// hide end rays in the compositor (cutSlab in compositor.cpp), as the near plane begins them.
 #pragma once
 
 #include <scrim/engine/plan/make_plan.h>

@@ -58,11 +58,12 @@ class CellField {
     /// keep the light of places far from it.
     void setLamp(const Light& lamp, const Phase& phase, const Camera& camera, bool attenuated, bool nearby);
     const Light& lamp() const { return *m_lamp; }  ///< after setLamp
-    /// Makes it the mean extinction on the way from the lamp, which, unlike irradiance, transmittance and direction,
-    /// changes slowly near a lamp. Look-ups compute the others from it, and the mean of 1/r^2 over the eye's path
-    /// through the sheet. `media`: through which the light of a sphere finds its way near its surface, where it comes
-    /// from so many sides that the lamp's points do not stand for it. `open`: the fraction of the light that passes
-    /// solids; null: there are none.
+    /// Replaces the transmittance t that is kept by the mean extinction on the way from the lamp, -log(t) / (length of
+    /// the way). Near a lamp that changes slowly, but irradiance, transmittance and direction change fast. Look-ups
+    /// compute these three from the mean extinction, with the mean of 1/r^2 over the eye's path through the sheet.
+    /// `media`: what dims the light near the surface of a sphere. There the light comes from so many sides that the
+    /// lamp's points do not represent it, and the extinction is computed anew. `open`: the fraction of the light that
+    /// passes solids; null: there are no solids.
     void makeMean(const CellMedia& media, std::shared_ptr<const CellField> open);
     /// The lamp's light at a point, with a transmittance of the way there, but for the part that is kept near the lamp.
     Rgb farLight(const Vec3& ws, double transmittance) const;

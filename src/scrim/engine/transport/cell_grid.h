@@ -106,9 +106,11 @@ class CellGrid {
     const std::int32_t* sidesAt(std::int32_t walled, int face) const {
         return m_sideAt.data() + (std::size_t(walled) * 6 + std::size_t(face)) * kBlockCells;
     }
-    /// The part of the light on the whole face of a side that is sent back. Stairs have more surface than the wall they
-    /// stand for, and light that they send to each other is lost again: their albedo makes up for that. So it does for
-    /// the surface of walls beyond the face, in corners of rooms: the face absorbs as much light as they would.
+    /// The part of the light on the whole face of a side that is sent back. It differs from the albedo a of the wall:
+    /// - Faces that stand for a slanted wall are stairs with k times its surface, which lose light that they send to
+    ///   each other. Their albedo is b = a k / (1 + a (k - 1)).
+    /// - In the corner of a room a face stands for walls of r times its area, and absorbs as much light as they do: it
+    ///   sends back 1 - r (1 - b), at least 0.
     const Rgb& albedoOfSide(std::size_t side) const { return m_albedos[side]; }
     /// Likewise of light that comes straight from lights: irradiance times the sum of the cosines of pointsOfSide,
     /// times this / pi, is the radiance that comes from the whole face.

@@ -94,8 +94,8 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin);
 /// smaller than voxels that reach as far as kernels do, it counts as a tent, for means of the interpolated field.
 /// Throws Error(memory) as CellGrid does. A cell has a corner at `wsCorner`. Cells reach `margin` world units beyond
 /// the blocks of voxels, and at least one edge. With `walls`, solids that stop light stand in the grid, whose cells
-/// then also reach those that send light back, up to half of the volumes' size beyond these. `dense`: as castersIn has
-/// them, the only volumes that are not left out; empty: all. The grid is the same.
+/// then also reach those that send light back, up to half of the volumes' size beyond these. `dense`: for each volume
+/// of the scene, whether its values are added to the cells (castersIn); empty: all are. The grid does not depend on it.
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
                     const Vec3& wsCorner = Vec3(0), double margin = 0, bool walls = false,
                     const std::vector<bool>& dense = {});

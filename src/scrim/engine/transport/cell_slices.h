@@ -73,9 +73,11 @@ class CellSlices {
     std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius);
     void restore(const std::vector<std::pair<std::size_t, Real>>& before);
     void clearSums(std::size_t colours);
-    /// Takes from the sums what linear interpolation adds in the mean: between the centres of cells, which is a twelfth
-    /// of the second differences, and in a slice from rays to cells. No sum exceeds those beside it by that. Cells
-    /// beside one that is not wanted keep theirs.
+    /// Subtracts from each sum the mean error of linear interpolation: d / 12 along the axis of the slices and d / 10
+    /// along each axis within a slice, where d is the second difference along the axis. 1 / 12 is the error of
+    /// interpolation between the centres of cells; within a slice, light is also interpolated from rays to cells. The
+    /// result stays between the least and the largest of the sum and its neighbours. An axis along which a neighbour
+    /// is not wanted is left out.
     void sharpen(std::size_t colours);
     /// Adds the sums to a field, from its colour `to` on. Its grid may have other blocks of the same cells.
     void addTo(std::size_t colours, std::size_t to, CellField& field) const;

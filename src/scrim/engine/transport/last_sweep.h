@@ -39,9 +39,10 @@ class LastSweep {
     const CellMedia& media() const { return m_split.extinction.empty() ? m_solved : m_split; }
 
     /// What is kept for each class, and then of the flux along x, y and z: [kept][row of the solver], radiance per unit
-    /// of scattering coefficient; it may be below zero. It is the light of colour `colour` that comes in from outside,
-    /// `inflow` along each of ordinates(), or none; that of the last solve, which must have been for the same light,
-    /// with `solved`; and that which `addSource` adds to a source along some ordinates.
+    /// of scattering coefficient; it may be below zero. It is the sum of three parts of the light of colour `colour`:
+    /// - `inflow`: the radiance that comes in from outside along each of ordinates(); empty: none.
+    /// - `solved`: the light that scatters as the last solve found it; that must have been for the same light.
+    /// - `addSource`: adds light to a source along the ordinates that it is called with; null: none.
     std::vector<std::vector<Real>> pass(std::size_t colour, const std::vector<Real>& inflow, bool solved,
                                         const std::function<void(const Ordinates&, std::vector<Real>&)>& addSource);
 

@@ -77,11 +77,12 @@ void scatteringRow(const Ordinates& ordinates, const std::vector<double>& moment
 Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd);
 
 /// Ordinates by which an eye, which light reaches along `travel`, sees the light that continues straight on
-/// (SplitPhase): a lobe around `travel`, to be divided by its sum with the weights of all parts of a set. The series of
-/// `moments` moments that is such a line has waves on all sides: with that of g = 0.9, ten moments together are -6
-/// times the phase function in the direction back. With the lobe and SplitPhase::first(), the differences to 1,024
-/// ordinates, in smoke of g = 0.9 lit from the eye's side, from aside and from behind, became 1.5, 1.3 and 2.3 % with
-/// 256 ordinates (before: 7.1, 2.6 and 2.4 %), and for g = 0.75 0.8, 1.3 and 1.6 % with 64 (1.3, 1.7 and 1.7 %).
+/// (SplitPhase): a lobe around `travel`, to be divided by its sum with the weights of all parts of a set. Legendre's
+/// series of light along `travel`, cut off after `moments` moments, would oscillate in all directions: of ten moments,
+/// this series and SplitPhase::first() for g = 0.9 add up to -6 times the phase function in the backward direction.
+/// With the lobe and SplitPhase::first(), the differences to 1,024 ordinates, in smoke of g = 0.9 lit from the eye's
+/// side, from aside and from behind, became 1.5, 1.3 and 2.3 % with 256 ordinates (before: 7.1, 2.6 and 2.4 %), and for
+/// g = 0.75 0.8, 1.3 and 1.6 % with 64 (1.3, 1.7 and 1.7 %).
 void lobeRow(const Ordinates& ordinates, std::size_t moments, const Vec3& travel, Real* row, Simd simd);
 
 }  // namespace scrim

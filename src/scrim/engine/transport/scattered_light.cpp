@@ -130,8 +130,11 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
     limitFlux();
 }
 
-// Light travels between lights, volumes that scatter fully, and the eye; on its way volumes that scatter once may
-// scatter it, but once. So a second solve begins with what these make of the first one, and only the others show it.
+// A path of light runs from a light to the eye by way of volumes that scatter fully, which scatter it any number of
+// times, and of volumes that scatter once: at most one of them scatters it, and only once. So there are two solves.
+// The first is of paths that only volumes that scatter fully have scattered so far; all volumes show its light. The
+// second begins with the light that volumes that scatter once send on, from lights and from the first solve; only
+// volumes that scatter fully show it.
 void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                            const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint) {
     const Ordinates directions = ordinates(solvedOrdinates(plan.ordinates));
