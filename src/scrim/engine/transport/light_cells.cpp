@@ -100,7 +100,7 @@ struct Sources {
     std::vector<double> parts = {};  // SubLights::parts of each; empty: none stands for others
     std::vector<bool> ofSky = {};    // whether each is a direction of a dome
     std::vector<bool> ofMesh = {};   // or a part of a mesh
-    std::vector<int> skies = {};     // indices of the domes
+    std::vector<int> ofScene = {};   // for each owner its index into the lights of the scene
     Rgb tint{1};
     std::size_t colours = 1;  // 3 if the lights differ in colour
     bool lamp = false;        // points of a lamp, of which the transmittance alone is asked
@@ -149,8 +149,7 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
             out.ofSky.push_back(owner.dome() != nullptr);
             out.ofMesh.push_back(isMesh(owner));
         }
-    for (const int i : lights)
-        if (scene.lights[std::size_t(i)].dome()) out.skies.push_back(i);
+    out.ofScene = lights;
     if (out.lights.empty()) return out;
     out.tint = out.lights.front().intensity;
     for (const Light& light : out.lights)
@@ -165,22 +164,26 @@ struct WidePhase {
     std::shared_ptr<const PhaseOverCaps> ofSurface{};  // for suns and surfaces but meshes; null: they do not need it
 };
 
-// A sky is smooth: a few rays see what a peak shows of it. A surface has edges, which the peak blurs, and so do means
-// over what its points stand for.
-WidePhase widePhase(const ViewScene& scene, const Sources& sources, const Phase& phase) {
+// For each light that the sources are parts of; no other light changes it. A sky is smooth: a few rays see what a peak
+// shows of it. A surface has edges, which the peak blurs, and so do means over what its points stand for.
+std::vector<WidePhase> widePhases(const ViewScene& scene, const Sources& sources, const Phase& phase) {
     const Bounds box = wsBounds(scene);
-    double sky = 0, surface = 0;
+    std::vector<double> widest(sources.owners.empty() ? 0 : std::size_t(sources.owners.back()) + 1, 0.0);
+    std::vector<WidePhase> all(widest.size());
     for (std::size_t i = 0; i < sources.parts.size(); ++i) {
-        if (sources.ofMesh[i]) continue;
-        double& widest = sources.ofSky[i] ? sky : surface;
-        widest = std::max(widest, widestCap(sources.lights[i], sources.parts[i], box));
+        double& own = widest[std::size_t(sources.owners[i])];
+        own = std::max(own, widestCap(sources.lights[i], sources.parts[i], box));
     }
-    WidePhase wide;
-    // The edge of a square as large as the cap.
-    if (needsCaps(phase, sky)) wide.ofSky.emplace(phase, std::sqrt(std::numbers::pi) * sky);
-    if (needsCaps(phase, kCapsOfSurfaces * surface))
-        wide.ofSurface = std::make_shared<const PhaseOverCaps>(phase, surface);
-    return wide;
+    for (std::size_t i = 0; i < sources.parts.size(); ++i) {
+        WidePhase& wide = all[std::size_t(sources.owners[i])];
+        const double own = widest[std::size_t(sources.owners[i])];
+        if (wide.ofSky || wide.ofSurface || sources.ofMesh[i]) continue;
+        // The edge of a square as large as the cap.
+        if (sources.ofSky[i] && needsCaps(phase, own)) wide.ofSky.emplace(phase, std::sqrt(std::numbers::pi) * own);
+        if (!sources.ofSky[i] && needsCaps(phase, kCapsOfSurfaces * own))
+            wide.ofSurface = std::make_shared<const PhaseOverCaps>(phase, own);
+    }
+    return all;
 }
 
 // One pass of some sources of light through the cells, for one or all colours.
@@ -191,8 +194,8 @@ class Pass {
 
     // `colour`: the only one that the slices' extinction is for; -1: all.
     // `lamp`: what the sources stand for, if it is a lamp. `far`: what it shares with other lamps, if it does.
-    void add(const Sources& sources, const Phase& phase, const WidePhase& wide, const Light* lamp, int colour,
-             CellSlices& slices, CellField& field, CellField* far = nullptr) const {
+    void add(const Sources& sources, const Phase& phase, const std::vector<WidePhase>& wide, const Light* lamp,
+             int colour, CellSlices& slices, CellField& field, CellField* far = nullptr) const {
         const std::size_t colours = colour < 0 ? field.colours() : 1;
         CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours, {}};
         view.eye =
@@ -210,8 +213,8 @@ class Pass {
         for (auto first = sources.owners.begin(), last = first; first != end; first = last) {
             last = std::upper_bound(first, end, *first);
             slices.clearSums(colours);
-            sweep(sources, wide, std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view,
-                  slices);
+            sweep(sources, wide.empty() ? WidePhase() : wide[std::size_t(*first)],
+                  std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view, slices);
             if (!lamp && sources.attenuated) slices.sharpen(colours);
             slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
         }
@@ -300,7 +303,7 @@ struct Job {
     std::shared_ptr<CellField> far = nullptr;   // of a lamp: what it shares with others; null: it is alone
     std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
     std::size_t media = 0;                      // index of what holds the light back (addMedia)
-    WidePhase wide = {};                        // of `phase`
+    std::vector<WidePhase> wide = {};           // of `phase`, for each light of `sources`; empty: of a lamp
 };
 
 // Lights share a field unless layers, or the volumes that cast shadows in them, tell them apart. Lamps share one with
@@ -372,8 +375,8 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
             if (sources.colours == 3) sources.tint = Rgb(1);
             field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
             if (lamps) field->setLamp(first, phase, scene.camera, sources.attenuated, false);
-            WidePhase wide;
-            if (!lamps) wide = widePhase(scene, sources, phase);
+            std::vector<WidePhase> wide;
+            if (!lamps) wide = widePhases(scene, sources, phase);
             jobs.push_back({lit.front(), std::move(sources), phase, field, lamps ? &first : nullptr});
             jobs.back().wide = std::move(wide);
         }
@@ -382,11 +385,63 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
     return jobs;
 }
 
-// Adds the light in the peaks of a phase function that were cut off for the sources. It comes from where the eye looks,
-// or from behind it, and rays find it in the skies.
+// The light of a sky in the peaks of a phase function that were cut off for its directions. It comes from where the eye
+// looks, or from behind it, and rays find it in the sky.
+class SkyPeaks {
+  public:
+    SkyPeaks(const ViewScene& scene, const Sources& sources, std::size_t owner, const CutPhase& cut,
+             const CellMedia& media)
+        : m_scene(scene),
+          m_sky(scene.lights[std::size_t(sources.ofScene[owner])]),
+          m_blocked(sources.blocked),
+          m_attenuated(sources.attenuated),
+          m_cut(cut),
+          m_media(media),
+          m_depth(cut.spread / kAround) {}
+
+    Rgb at(const Vec3& ws) const {
+        const Vec3 toEye = travelToEye(m_scene.camera, ws);
+        Rgb sum(0);
+        if (m_cut.onwards > kNarrow) sum += m_cut.onwards * around(ws, -toEye);
+        if (m_cut.backwards > kNarrow) sum += m_cut.backwards * around(ws, toEye);
+        return sum;
+    }
+
+  private:
+    // A peak is one ray, or also six around it, so that its mean cosine is kept.
+    static constexpr double kNarrow = 1e-3, kAround = 0.75;
+    static constexpr int kRays = 6;
+
+    Rgb along(const Vec3& ws, const Vec3& way) const {
+        constexpr double kInfinity = std::numeric_limits<double>::infinity();
+        const Rgb radiance = skyAt(m_sky, way);
+        if (radiance == Rgb(0)) return radiance;
+        if (m_blocked && m_scene.solids->firstHit(SolidRole::shadow, ws, way, 0, kInfinity) < kInfinity) return Rgb(0);
+        return m_attenuated ? radiance * glm::exp(-depthAlong(m_media, ws, way, kInfinity)) : radiance;
+    }
+    Rgb around(const Vec3& ws, const Vec3& way) const {
+        const Rgb middle = along(ws, way);
+        if (m_depth < kNarrow) return middle;
+        const double aside = std::sqrt(m_depth * (2 - m_depth));
+        const Mat3 frame = frameAround(way);
+        Rgb sum(0);
+        for (int i = 0; i < kRays; ++i) {
+            const double turn = 2 * std::numbers::pi * i / kRays;
+            sum += along(ws, (1 - m_depth) * way + aside * (std::cos(turn) * frame[0] + std::sin(turn) * frame[1]));
+        }
+        return (1 - kAround) * middle + kAround / kRays * sum;
+    }
+
+    const ViewScene& m_scene;
+    const Light& m_sky;
+    bool m_blocked, m_attenuated;
+    const CutPhase& m_cut;
+    const CellMedia& m_media;
+    double m_depth;  // 1 - cos of the angle of the rays around a peak
+};
+
 void addPeaks(const ViewScene& scene, const Job& job, const CellMedia& media, const std::function<void()>& checkpoint) {
-    if (!job.wide.ofSky) return;
-    const CutPhase& cut = *job.wide.ofSky;
+    if (std::ranges::none_of(job.wide, [](const WidePhase& wide) { return wide.ofSky.has_value(); })) return;
     checkpoint();
     // Rays take their time: in larger cells where there are many, between which their light is interpolated.
     constexpr std::size_t kMostCells = 60'000;
@@ -398,46 +453,20 @@ void addPeaks(const ViewScene& scene, const Job& job, const CellMedia& media, co
         larger = std::move(next);
         through = &larger;
     }
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const auto along = [&](const Vec3& ws, const Vec3& way) {
-        Rgb sum(0);
-        for (const int i : job.sources.skies) {
-            const Rgb radiance = skyAt(scene.lights[std::size_t(i)], way);
-            if (radiance == Rgb(0)) continue;
-            if (job.sources.blocked && scene.solids->firstHit(SolidRole::shadow, ws, way, 0, kInfinity) < kInfinity)
-                continue;
-            sum += job.sources.attenuated ? radiance * glm::exp(-depthAlong(*through, ws, way, kInfinity)) : radiance;
-        }
-        return sum;
-    };
-    // A peak is one ray, or also six around it, so that its mean cosine is kept.
-    constexpr double kNarrow = 1e-3, kAround = 0.75;
-    constexpr int kRays = 6;
-    const double depth = cut.spread / kAround, aside = std::sqrt(depth * (2 - depth));
-    const auto around = [&](const Vec3& ws, const Vec3& way) {
-        const Rgb middle = along(ws, way);
-        if (depth < kNarrow) return middle;
-        const Mat3 frame = frameAround(way);
-        Rgb sum(0);
-        for (int i = 0; i < kRays; ++i) {
-            const double turn = 2 * std::numbers::pi * i / kRays;
-            sum += along(ws, (1 - depth) * way + aside * (std::cos(turn) * frame[0] + std::sin(turn) * frame[1]));
-        }
-        return (1 - kAround) * middle + kAround / kRays * sum;
-    };
+    std::vector<SkyPeaks> peaks;
+    for (std::size_t owner = 0; owner < job.wide.size(); ++owner)
+        if (const auto& cut = job.wide[owner].ofSky) peaks.emplace_back(scene, job.sources, owner, *cut, *through);
     const auto light = [&](const Vec3& ws) {
-        const Vec3 toEye = travelToEye(scene.camera, ws);
         Rgb sum(0);
-        if (cut.onwards > kNarrow) sum += cut.onwards * around(ws, -toEye);
-        if (cut.backwards > kNarrow) sum += cut.backwards * around(ws, toEye);
+        for (const SkyPeaks& sky : peaks) sum += sky.at(ws);
         return job.sources.colours == 1 ? Rgb(largest(sum) / largest(job.sources.tint)) : sum;
     };
     if (through == &media) return job.field->add(light);
-    CellField peaks(std::make_shared<const CellGrid>(larger.grid), static_cast<int>(job.sources.colours));
-    peaks.add(light);
+    CellField coarse(std::make_shared<const CellGrid>(larger.grid), static_cast<int>(job.sources.colours));
+    coarse.add(light);
     job.field->add([&](const Vec3& ws) {
         Real rgb[3];
-        peaks.sample(ws, rgb);
+        coarse.sample(ws, rgb);
         return Rgb(rgb[0], rgb[1], rgb[2]);
     });
 }
