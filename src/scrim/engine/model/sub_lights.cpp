@@ -413,19 +413,23 @@ std::vector<Light> sunsOfSky(const ViewScene& scene, const Light& dome) {
     return suns.lights;
 }
 
-SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells) {
+SubLights subLights(const ViewScene& scene) {
+    return subLights(scene, servedLights(scene));
+}
+
+SubLights subLights(const ViewScene& scene, const std::vector<ServedLight>& served) {
     SubLights all;
     const bool extended =
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.extended(); });
-    if (!extended && onCells.empty()) return all;
+    if (!extended && std::ranges::all_of(served, &ServedLight::inSweeps)) return all;
+    all.served = served;
     const Bounds ws = wsBounds(scene);
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
         const int count = subLightCount(scene, light);
         const std::size_t first = all.lights.size();
         const bool beams = shinesInBeams(scene, light);
-        const bool onCell = std::find(onCells.begin(), onCells.end(), static_cast<int>(i)) != onCells.end();
-        if (onCell || (light.dome() && skiesFromBorder(scene))) {
+        if (!served[i].inSweeps) {
             // Only its suns take sweeps.
         } else if (beams)
             addBeams(light, count, all.lights);
@@ -470,18 +474,17 @@ const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, 
     if (lights.owners.empty()) return scene;
     plain = scene;
     plain.lights = lights.lights;
-    for (ViewVolume& volume : plain.volumes) {
+    for (std::size_t v = 0; v < plain.volumes.size(); ++v) {
+        ViewVolume& volume = plain.volumes[v];
         const std::vector<bool> shadowsByOwner = std::exchange(volume.shadows, {});
         for (std::size_t i = 0; i < lights.owners.size() && !shadowsByOwner.empty(); ++i)
             volume.shadows.push_back(shadowsByOwner[std::size_t(lights.owners[i])]);
-        if (volume.lights.empty() && !scattersFully(volume)) continue;
-        const std::vector<bool> byOwner = volume.lights;
         volume.lights.clear();
         for (std::size_t i = 0; i < lights.owners.size(); ++i) {
-            const auto owner = std::size_t(lights.owners[i]);
-            volume.lights.push_back(litBy(byOwner, owner) &&
-                                    (lights.suns[i] || !comesFromBorder(scene.lights[owner], volume)));
+            const Server server = lights.served[std::size_t(lights.owners[i])].volumes[v];
+            volume.lights.push_back(server == Server::buffers || (lights.suns[i] && server != Server::none));
         }
+        if (std::ranges::find(volume.lights, false) == volume.lights.end()) volume.lights.clear();
     }
     return plain;
 }
@@ -497,17 +500,6 @@ bool shinesInBeams(const ViewScene& scene, const Light& light) {
     return coneOf(light) < std::min(light.area()->area() / (distance * distance), 2 * kPi) &&
            std::all_of(corners.begin(), corners.end(),
                        [&](const Vec3& corner) { return glm::dot(corner - light.wsPosition, light.wsDirection) > 0; });
-}
-
-bool comesFromBorder(const Light& light, const ViewVolume& volume) {
-    return light.dome() && scattersFully(volume);
-}
-
-bool skiesFromBorder(const ViewScene& scene) {
-    if (std::none_of(scene.volumes.begin(), scene.volumes.end(), scattersFully)) return false;
-    const bool caught = scene.solids && wants(scene, Layer::shadow);
-    return !caught && std::all_of(scene.volumes.begin(), scene.volumes.end(),
-                                  [](const ViewVolume& v) { return v.field->empty() || scattersFully(v); });
 }
 
 }  // namespace scrim

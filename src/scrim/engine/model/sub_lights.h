@@ -8,6 +8,7 @@
 // brightly as the whole mesh does at the volumes. A sphere is points where it is far from the volumes, else elements.
 #pragma once
 
+#include <scrim/engine/model/served_lights.h>
 #include <scrim/geometry/bounds.h>
 #include <scrim/scene/view_scene.h>
 
@@ -23,6 +24,8 @@ struct SubLights {
     /// For each of them what it stands for: of a sun or sky the solid angle, of a surface the area (world units
     /// squared); 0: it is a light of the scene itself.
     std::vector<double> parts;
+
+    std::vector<ServedLight> served;  ///< for each light of the scene; empty where `lights` is
 
     /// The scene's light that light `i` of the plan belongs to.
     int ownerOf(int i) const { return owners.empty() ? i : owners[std::size_t(i)]; }
@@ -66,28 +69,24 @@ std::vector<Vec3> pointsOfLamp(const Light& light, int count);
 /// The directions of the suns in the picture of a dome, which cast shadows as sharp as other suns do.
 std::vector<Light> sunsOfSky(const ViewScene& scene, const Light& dome);
 
-/// All lights of the scene, with the extended ones replaced by their sub-lights; those of `onCells`, indices into the
-/// lights of the scene, become black, or suns if they are skies with suns. Slides must be loaded. The result depends
-/// only on the lights, the dial light_error and the volumes' bounds.
-SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells = {});
+/// All lights of the scene, with the extended ones replaced by their sub-lights. Those that are not in sweeps become
+/// black, or suns if they are skies with suns. Slides must be loaded. The result depends only on the lights, the dial
+/// light_error, who serves the lights, and the volumes' bounds.
+SubLights subLights(const ViewScene& scene, const std::vector<ServedLight>& served);
+/// The same with no light on cells.
+SubLights subLights(const ViewScene& scene);
 
 /// The scene with each extended light replaced by about `count` lights, for a rough look at it. Pictures need not be
 /// loaded.
 ViewScene withFewSubLights(const ViewScene& scene, int count);
 
-/// The scene with the plan's lights in place of its own. `plain` holds the changed copy, if there is one.
+/// The scene with the plan's lights in place of its own, each of which shines on the volumes that buffers serve. `plain`
+/// holds the changed copy, if there is one.
 const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, ViewScene& plain);
 
 /// True if a surface with a spread is a sum of beams, parallel light through a window of its shape: its cone is smaller
 /// than what the surface fills of the sky at the volumes, which are all in front of it. Points, each with its cone,
 /// would show as dots there.
 bool shinesInBeams(const ViewScene& scene, const Light& light);
-
-/// True if `light` reaches the volume through the border of the cells that carry multiply scattered light: a sky, but
-/// for its suns, and a volume that scatters fully. Neither sub-lights nor light on cells may bring it there again.
-bool comesFromBorder(const Light& light, const ViewVolume& volume);
-
-/// True if that is so for all volumes, so that skies need no sub-lights.
-bool skiesFromBorder(const ViewScene& scene);
 
 }  // namespace scrim

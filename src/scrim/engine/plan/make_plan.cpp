@@ -366,7 +366,7 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     }
     plan.extinction = channelsOf(given, plan.cellLights);
     if (corners.empty()) return plan;
-    plan.subLights = subLights(given, plan.cellLights.lights);
+    plan.subLights = subLights(given, servedLights(given, plan.cellLights.lights));
     plan.transport = planTransport(given);
     for (std::size_t i = 0; i < given.lights.size(); ++i)
         plan.layersOfLights.push_back(lightOfLayer(given, static_cast<int>(i)));

@@ -236,13 +236,13 @@ double depthOfVoxel(const ViewScene& scene) {
 }
 
 void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, std::vector<std::string>& reasons) {
-    const bool border = skiesFromBorder(scene);
+    const std::vector<ServedLight> served = servedLights(scene, cells.lights);
     for (std::size_t i = 0; i < reasons.size(); ++i) {
         const Light& light = scene.lights[i];
         if (black(light.intensity)) continue;
         if (cells.has(i))
             reasons[i].clear();
-        else if (border && light.dome() && !reasons[i].empty())
+        else if (!served[i].inSweeps && !reasons[i].empty())
             reasons[i] = "no sweep, because its light enters at the border of the cells that scatter it";
     }
 }

@@ -348,7 +348,8 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
     std::vector<Job> jobs;
     if (wants(scene, Layer::light)) light.output = Output{Layer::light, lightOfLayer(scene, group.front())};
     light.ofVolume.resize(scene.volumes.size());
-    // Volumes that scatter fully are apart: skies reach them through the border of the solve.
+    // Volumes that scatter fully are apart, since others bring some lights to them.
+    const std::vector<ServedLight> served = servedLights(scene, group);
     std::vector<std::vector<int>> classes;
     for (const bool full : {false, true})
         for (std::vector<int>& volumes : alikeVolumes(scene, [full](const ViewVolume& volume) {
@@ -360,8 +361,7 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
         const Phase& phase = alike.medium.phase;
         std::vector<int> lit;
         for (const int i : group)
-            if (litBy(alike.lights, std::size_t(i)) && !comesFromBorder(scene.lights[std::size_t(i)], alike))
-                lit.push_back(i);
+            if (served[std::size_t(i)].volumes[std::size_t(volumes.front())] == Server::cells) lit.push_back(i);
         if (lit.empty()) continue;
         const Light& first = scene.lights[std::size_t(group.front())];
         const bool lamps = isLampOnCells(scene, first);

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The decision who brings the light of a light to a volume before it has been scattered. Sub-lights, light on cells and
+// the solve for scattered light take what they are handed here, so that each volume receives each light once.
+#pragma once
+
+#include <scrim/scene/view_scene.h>
+
+#include <vector>
+
+namespace scrim {
+
+enum class Server {
+    none,     ///< the light does not shine on the volume
+    buffers,  ///< the shadow buffers of the light's sub-lights, in a sweep
+    cells,    ///< light on cells (transport/light_cells.h)
+    border    ///< the border of the cells on which scattered light is solved for (transport/scattered_light.h)
+};
+
+/// Who serves one light of the scene. The suns in the picture of a sky are not meant: they always have sub-lights of
+/// their own, which shine on all volumes that the sky shines on.
+struct ServedLight {
+    std::vector<Server> volumes;  ///< for each of ViewScene::volumes
+    /// The light is represented by sub-lights, because buffers serve a volume or a solid catches each sub-light's
+    /// shadow.
+    bool inSweeps = true;
+
+    bool by(Server server) const;  ///< true if it serves any volume
+};
+
+/// For each light of the scene. `onCells`: indices of those that are kept on cells.
+std::vector<ServedLight> servedLights(const ViewScene& scene, const std::vector<int>& onCells = {});
+
+/// True if all volumes that have voxels receive skies by the border, and nothing needs their sub-lights.
+bool skiesFromBorder(const ViewScene& scene);
+
+}  // namespace scrim
