@@ -56,7 +56,7 @@ stage building
 # shellcheck disable=SC2086
 cmake --build "$build" $targets -- --quiet
 stage testing
-[ "$preset" != "release" ] || tests/tools/house/count.sh
+[ "$preset" != "release" ] || tests/tools/house/count.py
 logs="$(mktemp -d)"
 trap 'rm -rf "$logs"' EXIT
 failed=0

@@ -80,8 +80,8 @@ SubLights subLights(const ViewScene& scene);
 /// loaded.
 ViewScene withFewSubLights(const ViewScene& scene, int count);
 
-/// The scene with the plan's lights in place of its own, each of which shines on the volumes that buffers serve. `plain`
-/// holds the changed copy, if there is one.
+/// The scene with the plan's lights in place of its own, each of which shines on the volumes that buffers serve.
+/// `plain` holds the changed copy, if there is one.
 const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, ViewScene& plain);
 
 /// True if a surface with a spread is a sum of beams, parallel light through a window of its shape: its cone is smaller
