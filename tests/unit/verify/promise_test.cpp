@@ -92,6 +92,47 @@ TEST(PromisedDials, SayWhatThickVoxelsLeave) {
     EXPECT_TRUE(promisedDials(smoke(16, 0.6, 48), "standard").beyond.empty());
 }
 
+// Few pixels, so that the reference is quick; `standard` promises 1 %.
+TEST(PromisedDials, SayWhatNarrowLobesAndSpreadsLeave) {
+    ViewScene scene = smoke(12, 0.2, 24);
+    scene.dials = *presetDials("standard");
+    Light box;
+    box.name = "box";
+    Light::Area area;
+    area.width = area.height = 14;
+    box.kind = area;
+    box.wsPosition = {2, 3, -24};
+    box.wsDirection = glm::normalize(-box.wsPosition);
+    const auto beyond = [&](double g, double spread, const Vec3& from) {
+        scene.volumes[0].medium.phase.g = g;
+        std::get<Light::Area>(box.kind).spread = spread;
+        box.wsPosition = from;
+        box.wsDirection = glm::normalize(-from);
+        scene.lights = {box};
+        const PromisedDials chosen = promisedDials(scene, "standard");
+        return chosen.beyond.empty() ? PromisedDials::Beyond{} : chosen.beyond.front();
+    };
+    const Vec3 behind(2, 3, -40), among(3, 2, -8);
+    EXPECT_EQ(beyond(0, 180, behind).expected, 0);
+    EXPECT_EQ(beyond(0.6, 180, behind).expected, 0);
+    const PromisedDials::Beyond lobe = beyond(0.95, 180, behind);
+    EXPECT_NEAR(lobe.expected, 0.12, 1e-6);
+    EXPECT_EQ(lobe.why,
+              "phase functions as narrow as 2.9 degrees show the extended light 'box' with its edges, which its "
+              "sub-lights blur");
+    EXPECT_EQ(beyond(0, 10, behind).expected, 0);  // beams
+    const PromisedDials::Beyond cone = beyond(0, 10, among);
+    EXPECT_NEAR(cone.expected, 0.018 * std::pow(4.5, 1.4), 1e-6);
+    EXPECT_NE(cone.why.find("with a spread of 10 degrees"), std::string::npos) << cone.why;
+    Light sky;
+    sky.name = "sky";
+    sky.kind = Light::Dome();
+    scene.lights = {sky};
+    scene.volumes[0].medium.phase.g = 0.9;
+    EXPECT_NEAR(promisedDials(scene, "standard").beyond.at(0).expected, 0.02, 1e-9);
+    EXPECT_TRUE(promisedDials(scene, "draft").beyond.empty());  // promises 5 %
+}
+
 // There the light comes from nowhere in particular.
 TEST(PromisedDials, AreNumbersWithALightInTheMiddle) {
     ViewScene scene = smoke(10, 0.3, 40);
