@@ -77,7 +77,7 @@ Plan planOf(const ViewScene& scene, int threads = 1) {
             pointsOnCells(scene, scene.lights[std::size_t(plan.cellLights.lights[i])]) * cells.x * cells.y * cells.z;
     }
     const double solves = plan.transport.cells * plan.transport.ordinates * double(plan.transport.targets.size());
-    if (work > 5e7 || plan.groups.size() > 50 || solves > 3e7 || passes > 5e7) throw Skipped();
+    if (work > 2e7 || plan.groups.size() > 50 || solves > 1.2e7 || passes > 2e7) throw Skipped();
     return plan;
 }
 
