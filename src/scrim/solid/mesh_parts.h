@@ -23,8 +23,8 @@ using MeshPart = std::vector<MeshPiece>;
 /// What a part is as a whole.
 struct PartShape {
     Vec3 middle{0};
-    Vec3 facing{0};    ///< the sum of MeshPiece::area
-    double area = 0;   ///< the sum of the areas of its pieces
+    Vec3 facing{0};   ///< the sum of MeshPiece::area
+    double area = 0;  ///< the sum of the areas of its pieces
     /// The largest of |piece.at - middle| + sqrt(area of the piece): about the radius of the part around its middle.
     double reach = 0;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Commands that documents show are run as they stand there, in the order of their document: on a small smoke.vdb,
-// head.nrrd and a folder of DICOM files, and smaller where that is all that a substitution changes. A command that the program refuses fails, and
-// so does a line of a shell block that is neither run here nor listed with whoever runs it.
+// head.nrrd and a folder of DICOM files, and smaller where that is all that a substitution changes. A command that the
+// program refuses fails, and so does a line of a shell block that is neither run here nor listed with whoever runs it.
 #include "support/program_test.h"
 
 #include "support/data.h"

@@ -252,8 +252,8 @@ TEST(LinkedCells, DoNotDependOnThreads) {
     for (const int threads : {2, 3}) EXPECT_EQ(render(scene, makePlan(scene, threads)).image.rgba, one) << threads;
 }
 
-// A dome in which no volume casts shadows stays on cells, where it is not held back and needs no media; so does one that
-// casts none itself.
+// A dome in which no volume casts shadows stays on cells, where it is not held back and needs no media; so does one
+// that casts none itself.
 TEST(LinkedCells, NeedNoMediaForLightsInWhichNothingCastsShadows) {
     ViewScene scene = linkedSmoke(false);
     link(scene, {0, 0, 0, 0});

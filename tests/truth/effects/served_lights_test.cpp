@@ -101,8 +101,8 @@ double meanOf(const ViewScene& scene) {
     return sum;
 }
 
-// Beside others, lights may go another way, which has another error. A light that came twice, or not at all, would be 20
-// to 100 % off.
+// Beside others, lights may go another way, which has another error. A light that came twice, or not at all, would be
+// 20 to 100 % off.
 TEST(ServedLights, ReachEveryMediumOnceBesideEveryOther) {
     constexpr double kTwoWays = 0.1;
     for (const auto& [name, light] : lights())

@@ -361,8 +361,9 @@ TEST_F(ShotTest, WarnsOfThickVoxelsBeforeItRendersThem) {
     std::string table;
     const std::vector<std::string> heard = warningsOf({Int3(0)}, 100, "", table);
     ASSERT_EQ(heard.size(), 1u);
-    const std::regex expected("the preset 'standard' promises an error of 1 %, but [0-9]+ % are expected in this "
-                              "scene: voxels of an optical depth of [0-9]+ are seen, .*");
+    const std::regex expected(
+        "the preset 'standard' promises an error of 1 %, but [0-9]+ % are expected in this "
+        "scene: voxels of an optical depth of [0-9]+ are seen, .*");
     EXPECT_TRUE(std::regex_match(heard[0], expected)) << heard[0];
     EXPECT_NE(table.find("% are expected: voxels of an optical depth of"), std::string::npos) << table;
 }
@@ -372,8 +373,9 @@ TEST_F(ShotTest, WarnsOfShadowRastersThatAreCoarserThanTheirDial) {
     const std::string dials = "[render]\ntexel = 0.05\nshadow_texel = 0.1\nsheet_thickness = 16\n";
     const std::vector<std::string> heard = warningsOf({Int3(0), Int3(48)}, 0.1f, dials, table);
     ASSERT_EQ(heard.size(), 1u);
-    const std::regex expected("shadow rasters have a largest size, so their cells are larger than shadow_texel says: "
-                              "'sun' [0-9.]+ times");
+    const std::regex expected(
+        "shadow rasters have a largest size, so their cells are larger than shadow_texel says: "
+        "'sun' [0-9.]+ times");
     EXPECT_TRUE(std::regex_match(heard[0], expected)) << heard[0];
     EXPECT_NE(table.find("cells of their rasters are larger than shadow_texel says: 'sun'"), std::string::npos)
         << table;

@@ -76,8 +76,9 @@ double differenceOfSquares(const Image& a, const Image& b) {
     return std::sqrt(squares * size.x * size.y) / mean;
 }
 
-// Isotropic smoke with a small lamp within, and the same smoke lit evenly from all sides. At the corner of eight cells of
-// either size, where the lamp's light is spread most, a half is foreseen, and 1.2 to 2.1 times as much at three others.
+// Isotropic smoke with a small lamp within, and the same smoke lit evenly from all sides. At the corner of eight cells
+// of either size, where the lamp's light is spread most, a half is foreseen, and 1.2 to 2.1 times as much at three
+// others.
 TEST(ScatterPilot, ForeseesTheErrorOfFewDirections) {
     const auto bothOf = [](const ViewScene& scene) {
         const auto rendered = [&](int directions) {

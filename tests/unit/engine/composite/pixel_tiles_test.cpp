@@ -56,8 +56,8 @@ TEST(PixelTiles, AreOpenUntilTheyAreOpaque) {
         if (t != 5) tiles.setOpaque(t);
     EXPECT_FALSE(tiles.opaque(5));
     EXPECT_TRUE(tiles.anyOpen(Box2<double>{-5, 10, 40, 43}));
-    EXPECT_TRUE(tiles.anyOpen(Box2<double>{12, 27, 12, 27}));     // inside the open one
-    EXPECT_FALSE(tiles.anyOpen(Box2<double>{-5, 10, -1, 43}));    // the left column
+    EXPECT_TRUE(tiles.anyOpen(Box2<double>{12, 27, 12, 27}));   // inside the open one
+    EXPECT_FALSE(tiles.anyOpen(Box2<double>{-5, 10, -1, 43}));  // the left column
     EXPECT_TRUE(tiles.anyOpen(Box2<double>{-1e30, -1e30, 1e30, 1e30}));
     EXPECT_FALSE(tiles.anyOpen(Box2<double>{100, 20, 200, 30}));  // beside the picture
     EXPECT_FALSE(tiles.anyOpen(Box2<double>{-200, 20, -100, 30}));

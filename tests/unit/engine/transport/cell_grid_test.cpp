@@ -145,8 +145,8 @@ TEST(CellGrid, WallsAtExactly45DegreesSendBackWhatThoseBesideDo) {
     const auto sentBack = [](double degrees) {
         const double a = glm::radians(degrees);
         CellGrid grid(1, {{Vec3(-11), Vec3(11)}});
-        grid.raiseWalls(oneSolid(squareMesh({0.13, 0.07, 0.21}, {std::sin(a), std::cos(a), 0}, 6), true, true, false,
-                                 Rgb(0.5)));
+        grid.raiseWalls(
+            oneSolid(squareMesh({0.13, 0.07, 0.21}, {std::sin(a), std::cos(a), 0}, 6), true, true, false, Rgb(0.5)));
         double sum = 0;
         for (std::size_t side = 0; side < grid.sides(); ++side) sum += grid.albedoOfSide(side).x;
         return sum / double(grid.sides());
