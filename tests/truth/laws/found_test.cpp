@@ -184,8 +184,10 @@ TEST(FoundByLaws, NarrowLobesShowWideLightsAsBruteForceDoes) {
             scene.lights = {light};
             const Image image = renderScene(scene).image;
             const Verification verified = summarise(samplePixels(scene, image, 60, 3));
-            // Of the cells' 1 %, and of what one ray or seven in the peak leave at edges; 40 and 100 % before.
-            EXPECT_LT(verified.error, 0.08) << "g " << g << " light " << light.kind.index();
+            // A few rays find a sky's light in a peak. Points of the box blur its edges, more so in a narrower lobe, of
+            // which a warning tells (PromisedDials::beyond). 40 and 100 % before.
+            EXPECT_LT(verified.error, light.dome() ? 0.08 : 0.01 / (1 - g))
+                << "g " << g << " light " << light.kind.index();
         }
 }
 
