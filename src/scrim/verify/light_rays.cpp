@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/light_rays.h>
 
-#include <scrim/scene/light_at.h>
 #include <scrim/solid/mesh_parts.h>
 #include <scrim/verify/running_sums.h>
 
@@ -32,8 +31,9 @@ double meetsCircle(const Vec2& origin, const Vec2& direction, double radius) {
 // What is seen of a sun's disk or of a surface that shines from `ws` in a direction (unit); nothing beside it. Not for
 // domes and meshes.
 struct SeenLight {
-    Rgb radiance{0};
+    Rgb radiance{0};  // but for a picture
     double distance = kInfinity;
+    Vec2 onPicture{0};
 };
 SeenLight seenLight(const Light& light, const Vec3& ws, const Vec3& toLight) {
     const Light::Area* area = light.area();
@@ -63,11 +63,12 @@ SeenLight seenLight(const Light& light, const Vec3& ws, const Vec3& toLight) {
         return x * x + y * y <= area->radius * area->radius ? SeenLight{radiance, t} : SeenLight{};
     const double u = x / area->width + 0.5, v = 0.5 - y / area->height;
     if (u < 0 || v < 0 || u > 1 || v > 1) return {};
-    if (!light.slide) return {radiance, t};
-    const Texture::Level& picture = light.slide->image->levels().front();
-    const float* p = picture.pixel(std::min(static_cast<int>(u * picture.width), picture.width - 1),
-                                   std::min(static_cast<int>(v * picture.height), picture.height - 1));
-    return {radiance * Rgb(p[0], p[1], p[2]), t};
+    return {radiance, t, {u, v}};
+}
+
+// 1 - cos of half the angle into which a surface shines.
+double depthOfCone(const Light::Area& area) {
+    return 1 - std::cos(glm::radians(0.5 * area.spread));
 }
 
 // Maps a point of the unit square to a direction around `axis`, uniformly over the solid angle of the cone whose half
@@ -252,7 +253,7 @@ bool LightRays::sendsIntoLess(const Vec3& ws) const {
     const double height = glm::dot(from, m_frame[2]), r2 = glm::dot(from, from);
     if (height <= 0) return true;
     const double fills = std::min(area.area() * height / (r2 * std::sqrt(r2)), 2 * kPi);
-    return 2 * kPi * (1 - std::cos(glm::radians(0.5 * area.spread))) < fills;
+    return 2 * kPi * depthOfCone(area) < fills;
 }
 
 double LightRays::density(const Vec3& toLight) const {
@@ -268,7 +269,7 @@ LightRay LightRays::from(const Vec3& ws, const Vec3& toLight) const {
         return {toLight, kInfinity, m_light.intensity * pictureAt(at.x, at.y)};
     }
     const SeenLight seen = seenLight(m_light, ws, toLight);
-    return {toLight, seen.distance, seen.radiance};
+    return {toLight, seen.distance, seen.radiance * pictureAt(seen.onPicture.x, seen.onPicture.y)};
 }
 
 LightRay LightRays::ray(const Vec3& ws, const Vec2& square) const {
@@ -278,7 +279,7 @@ LightRay LightRays::ray(const Vec3& ws, const Vec2& square) const {
     }
     if (const Light::Area* area = m_light.area()) {
         if (sendsIntoLess(ws)) {
-            const double depth = 1 - std::cos(glm::radians(0.5 * area->spread));
+            const double depth = depthOfCone(*area);
             LightRay ray = from(ws, inCone(-m_frame[2], depth, square));
             ray.weight *= 2 * kPi * depth;
             return ray;

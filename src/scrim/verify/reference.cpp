@@ -106,10 +106,10 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
         m_options.lightRays = std::clamp(
             static_cast<int>(std::lround((mesh ? 1.2 : 0.8) / std::sqrt(scene.dials.lightError))), kFewest, kMost);
     FieldSamplers own;
-    for (const ViewVolume& volume : scene.volumes)
+    for (const ViewVolume& volume : scene.volumes) {
         m_volumes.emplace_back(volume, scene.dials.kernel, shared ? *shared : own);
-    for (const ViewVolume& volume : scene.volumes)
         m_peaks.push_back(volume.classified ? nullptr : PhasePeak::of(volume.medium.phase));
+    }
 }
 
 // Shortens a step so that it crosses at most kSlidePixels of any slide; light that varies within a step would be

@@ -97,7 +97,7 @@ void composite(benchmark::State& state) {
         steps[s] = static_cast<float>(s);
     }
     for (auto _ : state) {
-        compositeTile(rays, {planes, steps, kSheets, kSize, kSize}, state.range(0) != 0, 0, states.data());
+        compositeTile(rays, {planes, steps, kSheets, kSize, kSize}, state.range(0) != 0, states.data());
         benchmark::ClobberMemory();
     }
     state.counters["per_pixel_sheet"] = benchmark::Counter(

@@ -125,24 +125,21 @@ struct OpenPixels {
     int count = 0;
 };
 template <bool kFrontToBack>
-HWY_ATTR void findOpen(const Real* states, const SheetList& sheets, Real cutoff, OpenPixels& open) {
-    const int floats = sheets.layout.floats();
+HWY_ATTR void findOpen(const std::uint8_t* closed, OpenPixels& open) {
     for (int k = 0; k < kTileSize; ++k) {
         open.pixels[open.count] = k;
-        const bool closed = sheets.closed ? sheets.closed[k] != 0 : 1 + states[floats * k + floats - 1] < cutoff;
-        open.count += !kFrontToBack || !closed ? 1 : 0;
+        open.count += !kFrontToBack || !closed || !closed[k] ? 1 : 0;
     }
 }
 
 // Walks plane by plane and within a plane pixel by pixel: neighbouring pixels are independent, while the sheets of one
 // pixel depend on each other. add(k, texel, u, v, rowStride, s) composites pixel k over the texels at address `texel`.
 template <bool kFrontToBack, class Add>
-HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, Real cutoff, const Real* states,
-                              const Add& add) {
+HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, const Add& add) {
     const int floats = sheets.layout.floats();
     const std::ptrdiff_t rowStride = static_cast<std::ptrdiff_t>(floats) * sheets.width;
     OpenPixels open;
-    findOpen<kFrontToBack>(states, sheets, cutoff, open);
+    findOpen<kFrontToBack>(sheets.closed, open);
     if (open.count == 0) return;
     Addresses at;
     for (int s = 0; s < sheets.count; ++s) {
@@ -157,8 +154,8 @@ HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, Real
 
 // The case of the beauty alone with grey extinction.
 template <bool kFrontToBack>
-HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, Real cutoff, Real* states) {
-    walk<kFrontToBack>(rays, sheets, cutoff, states,
+HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, Real* states) {
+    walk<kFrontToBack>(rays, sheets,
                        [&](int k, const Real* at, Real u, Real v, std::ptrdiff_t rowStride, int) HWY_ATTR {
                            const auto texel = bilinear4(at, 4, rowStride, u, v);
                            const auto state = load4(states + 4 * k);
@@ -167,11 +164,11 @@ HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, Real cuto
 }
 
 template <bool kFrontToBack, bool kColoured, bool kDepth>
-HWY_ATTR void walkOutputs(const RayTile& rays, const SheetList& sheets, Real cutoff, Real* states,
+HWY_ATTR void walkOutputs(const RayTile& rays, const SheetList& sheets, Real* states,
                           [[maybe_unused]] FirstDepth* first) {
     const int quads = sheets.layout.quads(), floats = sheets.layout.floats();
     walk<kFrontToBack>(
-        rays, sheets, cutoff, states,
+        rays, sheets,
         [&](int k, const Real* at, Real u, Real v, std::ptrdiff_t rowStride, [[maybe_unused]] int s) HWY_ATTR {
             const auto quad = [&](int q) HWY_ATTR { return bilinear4(at + 4 * q, floats, rowStride, u, v); };
             [[maybe_unused]] const V4 hides = addSample<kFrontToBack, kColoured>(quads, quad, states + floats * k);
@@ -182,25 +179,25 @@ HWY_ATTR void walkOutputs(const RayTile& rays, const SheetList& sheets, Real cut
 }
 
 template <bool kFrontToBack>
-HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, Real cutoff, Real* state, FirstDepth* first) {
+HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, Real* state, FirstDepth* first) {
     if (sheets.layout.beautyAlone())
-        walkBeauty<kFrontToBack>(rays, sheets, cutoff, state);
+        walkBeauty<kFrontToBack>(rays, sheets, state);
     else if (sheets.layout.coloured && first)
-        walkOutputs<kFrontToBack, true, true>(rays, sheets, cutoff, state, first);
+        walkOutputs<kFrontToBack, true, true>(rays, sheets, state, first);
     else if (sheets.layout.coloured)
-        walkOutputs<kFrontToBack, true, false>(rays, sheets, cutoff, state, first);
+        walkOutputs<kFrontToBack, true, false>(rays, sheets, state, first);
     else if (first)
-        walkOutputs<kFrontToBack, false, true>(rays, sheets, cutoff, state, first);
+        walkOutputs<kFrontToBack, false, true>(rays, sheets, state, first);
     else
-        walkOutputs<kFrontToBack, false, false>(rays, sheets, cutoff, state, first);
+        walkOutputs<kFrontToBack, false, false>(rays, sheets, state, first);
 }
 
-HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff,
-                                    Real* state, FirstDepth* first) {
+HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real* state,
+                                    FirstDepth* first) {
     if (frontToBack)
-        walkAny<true>(rays, sheets, cutoff, state, first);
+        walkAny<true>(rays, sheets, state, first);
     else
-        walkAny<false>(rays, sheets, cutoff, state, first);
+        walkAny<false>(rays, sheets, state, first);
 }
 
 HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const Real* at, const Real* plane, int width, int height,
@@ -296,9 +293,9 @@ HWY_EXPORT(compositeTileOnTarget);
 HWY_EXPORT(samplePlaneOnTarget);
 HWY_EXPORT(compositeSamplesOnTarget);
 
-void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff, Real* state,
+void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real* state,
                    PixelTiles::FirstDepth* first) {
-    SCRIM_ON_TARGET(sheets.simd, compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state, first);
+    SCRIM_ON_TARGET(sheets.simd, compositeTileOnTarget)(rays, sheets, frontToBack, state, first);
 }
 
 void keepSeenPart(const OutputLayout& layout, Real part, const Real* sample, Real* kept) {

@@ -33,10 +33,10 @@ struct SheetList {
 /// A sample of less opacity than this does not count as the first visible one.
 constexpr Real kLeastVisible = Real(1e-3);
 
-/// Walks all sheets of the list. `frontToBack`: a pixel whose transmittance is below `cutoff` stops. `firstDepth`: for
-/// each of 256 pixels, receives the depth where the first sheet with more opacity than kLeastVisible begins (back to
-/// front, the last one visited); null if it is not needed.
-void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff, Real* state,
+/// Walks all sheets of the list. Back to front, no pixel is closed. `firstDepth`: for each of 256 pixels, receives the
+/// depth where the first sheet with more opacity than kLeastVisible begins (back to front, the last one visited); null
+/// if it is not needed.
+void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real* state,
                    PixelTiles::FirstDepth* firstDepth = nullptr);
 
 /// 256 shaded samples of one sheet, `at` planes from the batch's first, each with the fraction in [0, 1] of the sheet

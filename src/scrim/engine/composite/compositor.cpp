@@ -177,16 +177,6 @@ const std::uint8_t* Compositor::closedIn(int tile, const TileWalk& walk) {
     return m_frontToBack ? m_tiles.closed(tile, walk.block / kBlock, m_cutoff) : nullptr;
 }
 
-namespace {
-
-std::array<std::uint8_t, kTileSize> openIn(const std::uint8_t* closed) {
-    std::array<std::uint8_t, kTileSize> open;
-    for (std::size_t k = 0; k < kTileSize; ++k) open[k] = closed && closed[k] != 0 ? 0 : 1;
-    return open;
-}
-
-}  // namespace
-
 RenderWork Compositor::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
     const TileWalk walk = enter(tile, range, shaded);
     Real* states = m_tiles.states(tile);
@@ -202,7 +192,7 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
         const SheetList sheets{planes.data(),   steps.data(), listed,       shaded.width(),
                                shaded.height(), layout,       m_eye.simd(), closed};
         if (m_deep) keepDeep(tile, walk, sheets);
-        compositeTile(walk.rays, sheets, m_frontToBack, 0, states, first);
+        compositeTile(walk.rays, sheets, m_frontToBack, states, first);
         walked += static_cast<std::uint64_t>(listed) * kTileSize;
         listed = 0;
     };
@@ -225,7 +215,7 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
                             m_eye.simd());
                 holdOut(tile, walk, part, at, samples);
                 const SheetSamples cut{samples, part, at, layout, m_eye.simd(), closed};
-                if (m_deep) m_deep->add(tile, walk.block + step, cut, static_cast<Real>(step), openIn(closed).data());
+                if (m_deep) m_deep->add(tile, walk.block + step, cut, static_cast<Real>(step));
                 compositeSamples(walk.rays, cut, m_frontToBack, states, first);
                 walked += kTileSize;
             }
@@ -240,13 +230,13 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
 // Records the samples that compositeTile is about to add for the same rays. They are sampled once more, so that the
 // flat picture's own loop is not affected.
 void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheets) {
-    const auto open = openIn(sheets.closed);
     Real* samples = sampleScratch(sheets.layout);
     alignas(64) Real at[kTileSize];
     for (int s = 0; s < sheets.count; ++s) {
         std::fill(at, at + kTileSize, sheets.steps[s]);
         samplePlane(walk.rays, at, sheets.planes[s], sheets.width, sheets.height, sheets.layout, samples, sheets.simd);
-        m_deep->add(tile, walk.block + static_cast<int>(sheets.steps[s]), {samples, nullptr}, 0, open.data());
+        const SheetSamples whole{samples, nullptr, nullptr, sheets.layout, sheets.simd, sheets.closed};
+        m_deep->add(tile, walk.block + static_cast<int>(sheets.steps[s]), whole, 0);
     }
 }
 
@@ -293,7 +283,7 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
         if (!shows) continue;
         const SheetSamples shaded{samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd(), closed};
         if (shaded.part) holdOut(tile, walk, part, at, samples);
-        if (m_deep) m_deep->add(tile, walk.block + step, shaded, static_cast<Real>(step), openIn(closed).data());
+        if (m_deep) m_deep->add(tile, walk.block + step, shaded, static_cast<Real>(step));
         compositeSamples(walk.rays, shaded, m_frontToBack, states, first);
     }
     return work;

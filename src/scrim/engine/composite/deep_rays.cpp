@@ -150,7 +150,7 @@ void DeepRays::count(std::size_t before, std::size_t after) {
                                 bytesText(m_mostBytes)));
 }
 
-void DeepRays::add(int index, int number, const SheetSamples& from, Real step, const std::uint8_t* open) {
+void DeepRays::add(int index, int number, const SheetSamples& from, Real step) {
     Tile& tile = m_tiles[std::size_t(index)];
     const std::size_t before = tile.samples.capacity();
     if (const int stage = number / kStage; stage != tile.stage) {
@@ -165,7 +165,7 @@ void DeepRays::add(int index, int number, const SheetSamples& from, Real step, c
     const std::size_t samples = tile.samples.size();
     for (int k = 0; k < kTileSize; ++k) {
         if (!region.contains(m_pixels.cornerX(index) + k % kTileEdge, m_pixels.cornerY(index) + k / kTileEdge) ||
-            (open && !open[k]))
+            (from.closed && from.closed[k]))
             continue;
         const Real* values = from.samples + floats * k;
         Sample sample{m_frontToBack ? sheet : -sheet - 1,

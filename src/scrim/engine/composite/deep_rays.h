@@ -28,9 +28,8 @@ class DeepRays {
     ~DeepRays();
 
     /// Adds the samples of sheet `sheet` to a tile; their layout is that of the tiles. The middle of a sample's visible
-    /// part lies `samples.at` - `step` behind the middle of the sheet, in sheets along N. `open`: the rays that see the
-    /// sheet (null: all). Throws Error(memory).
-    void add(int tile, int sheet, const SheetSamples& samples, Real step, const std::uint8_t* open = nullptr);
+    /// part lies `samples.at` - `step` behind the middle of the sheet, in sheets along N. Throws Error(memory).
+    void add(int tile, int sheet, const SheetSamples& samples, Real step);
 
     /// Averages the n x n rays of each pixel, by depth along the viewing axis. All rays of a pixel are treated as if
     /// they crossed the sheets where the pixel's centre does, so a depth is wrong by at most half of its change across

@@ -15,10 +15,6 @@ Server serverOf(const Light& light, std::size_t number, bool onCells, const View
 
 }  // namespace
 
-bool ServedLight::by(Server server) const {
-    return std::ranges::find(volumes, server) != volumes.end();
-}
-
 std::vector<ServedLight> servedLights(const ViewScene& scene, const std::vector<int>& onCells) {
     const bool border = skiesFromBorder(scene);
     std::vector<ServedLight> all;

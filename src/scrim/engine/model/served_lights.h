@@ -23,8 +23,6 @@ struct ServedLight {
     /// The light is represented by sub-lights, because buffers serve a volume or a solid catches each sub-light's
     /// shadow.
     bool inSweeps = true;
-
-    bool by(Server server) const;  ///< true if it serves any volume
 };
 
 /// For each light of the scene. `onCells`: indices of those that are kept on cells.

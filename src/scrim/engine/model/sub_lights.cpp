@@ -77,15 +77,19 @@ Light sunFrom(const Light& whole, const Vec3& travel, const Rgb& irradiance) {
     return light;
 }
 
+// The solid angle of a cone with this full angle, degrees.
+double coneOf(double angle) {
+    return 2 * kPi * (1 - std::cos(glm::radians(0.5 * angle)));
+}
 // The solid angle that a surface shines into.
 double coneOf(const Light& light) {
-    return 2 * kPi * (1 - std::cos(glm::radians(0.5 * light.area()->spread)));
+    return coneOf(light.area()->spread);
 }
 
 // The solid angle of a light as seen from the point of the box `ws` that is closest to it.
 double solidAngle(const Light& light, const Bounds& ws) {
     if (light.dome()) return 4 * kPi;
-    if (!light.area()) return 2 * kPi * (1 - std::cos(glm::radians(0.5 * std::get<Light::Distant>(light.kind).angle)));
+    if (!light.area()) return coneOf(std::get<Light::Distant>(light.kind).angle);
     if (ws.empty()) return 0;
     const double distance = glm::distance(light.wsPosition, glm::clamp(light.wsPosition, ws.lower, ws.upper));
     // The solid angle of a disk of the same area, seen from its axis.
@@ -97,14 +101,9 @@ std::shared_ptr<const Texture> windowOf(const Light& light) {
     constexpr int kEdge = 64, kParts = 8;  // of a disk's picture, and of a pixel at its rim
     const bool disk = light.area()->shape == AreaShape::disk;
     const Texture::Level* picture = light.slide ? &light.slide->image->levels().front() : nullptr;
-    Image image = emptyImage({0, 0,
-                              disk      ? kEdge
-                              : picture ? picture->width
-                                        : 1,
-                              disk      ? kEdge
-                              : picture ? picture->height
-                                        : 1});
-    const int width = image.window.x1, height = image.window.y1;
+    int width = disk ? kEdge : 1, height = width;
+    if (picture && !disk) width = picture->width, height = picture->height;
+    Image image = emptyImage({0, 0, width, height});
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             float* pixel = image.rgba.data() + image.indexOf(x, y);

@@ -366,7 +366,8 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     }
     plan.extinction = channelsOf(given, plan.cellLights);
     if (corners.empty()) return plan;
-    plan.subLights = subLights(given, servedLights(given, plan.cellLights.lights));
+    const std::vector<ServedLight> served = servedLights(given, plan.cellLights.lights);
+    plan.subLights = subLights(given, served);
     plan.transport = planTransport(given);
     for (std::size_t i = 0; i < given.lights.size(); ++i)
         plan.layersOfLights.push_back(lightOfLayer(given, static_cast<int>(i)));
@@ -374,7 +375,7 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     const ViewScene& scene = withSubLights(given, plan.subLights, plain);
     const std::vector<std::string> culled = culledLights(scene);
     plan.culledLights = reasonsByOwner(plan.subLights, culled, given.lights);
-    nameLightsOnCells(given, plan.cellLights, plan.culledLights);
+    nameLightsOnCells(given, plan.cellLights, served, plan.culledLights);
     plan.caps = capsOf(scene, plan.subLights, culled);
 
     for (EyePart& part : eyeParts(scene, corners)) {

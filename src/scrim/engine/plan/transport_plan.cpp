@@ -235,8 +235,8 @@ double depthOfVoxel(const ViewScene& scene) {
     return most;
 }
 
-void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, std::vector<std::string>& reasons) {
-    const std::vector<ServedLight> served = servedLights(scene, cells.lights);
+void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, const std::vector<ServedLight>& served,
+                       std::vector<std::string>& reasons) {
     for (std::size_t i = 0; i < reasons.size(); ++i) {
         const Light& light = scene.lights[i];
         if (black(light.intensity)) continue;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/engine/model/plan.h>
+#include <scrim/engine/model/served_lights.h>
 #include <scrim/scene/view_scene.h>
 
 #include <string>
@@ -12,7 +13,8 @@ namespace scrim {
 
 /// Sets those of `reasons` (why each light of the scene has no sweep) that concern lights on cells, and skies which
 /// shine through the border of the cells.
-void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, std::vector<std::string>& reasons);
+void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, const std::vector<ServedLight>& served,
+                       std::vector<std::string>& reasons);
 
 /// Chooses the lights that are kept on cells, and the cells.
 CellLightPlan planCellLights(const ViewScene& scene);

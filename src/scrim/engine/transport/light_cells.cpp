@@ -98,8 +98,6 @@ struct Sources {
     std::vector<Light> lights;
     std::vector<int> owners;         // for each the index of the light that it is a part of, ascending
     std::vector<double> parts = {};  // SubLights::parts of each; empty: none stands for others
-    std::vector<bool> ofSky = {};    // whether each is a direction of a dome
-    std::vector<bool> ofMesh = {};   // or a part of a mesh
     std::vector<int> ofScene = {};   // for each owner its index into the lights of the scene
     Rgb tint{1};
     std::size_t colours = 1;  // 3 if the lights differ in colour
@@ -145,9 +143,6 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
             out.lights.push_back(all.lights[i]);
             out.owners.push_back(all.ownerOf(static_cast<int>(i)));
             out.parts.push_back(all.parts[i]);
-            const Light& owner = alone.lights[std::size_t(out.owners.back())];
-            out.ofSky.push_back(owner.dome() != nullptr);
-            out.ofMesh.push_back(isMesh(owner));
         }
     out.ofScene = lights;
     if (out.lights.empty()) return out;
@@ -158,30 +153,35 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     return out;
 }
 
-// A phase function for sources that are wider than its lobes.
+// What stands for a phase function where the sub-lights of a light are wider than its lobes. A sky is smooth: a few
+// rays see what a peak shows of it. A surface has edges, which the peak blurs, and so do means over what its points
+// stand for.
 struct WidePhase {
-    std::optional<CutPhase> ofSky;                     // whose peaks rays see (addPeaks); none: skies do not need it
-    std::shared_ptr<const PhaseOverCaps> ofSurface{};  // for suns and surfaces but meshes; null: they do not need it
+    std::optional<CutPhase> ofSky;                     // its peaks are for rays (addPeaks)
+    PhaseRow ofSun{};                                  // the mean over what one of a sun's directions stands for
+    std::shared_ptr<const PhaseOverCaps> ofSurface{};  // of all surfaces but meshes
 };
 
-// For each light that the sources are parts of; no other light changes it. A sky is smooth: a few rays see what a peak
-// shows of it. A surface has edges, which the peak blurs, and so do means over what its points stand for.
+// For each light that the sources are parts of; no other light changes it.
 std::vector<WidePhase> widePhases(const ViewScene& scene, const Sources& sources, const Phase& phase) {
     const Bounds box = wsBounds(scene);
-    std::vector<double> widest(sources.owners.empty() ? 0 : std::size_t(sources.owners.back()) + 1, 0.0);
-    std::vector<WidePhase> all(widest.size());
-    for (std::size_t i = 0; i < sources.parts.size(); ++i) {
+    std::vector<double> widest(sources.ofScene.size(), 0.0);
+    for (std::size_t i = 0; i < sources.lights.size(); ++i) {
         double& own = widest[std::size_t(sources.owners[i])];
         own = std::max(own, widestCap(sources.lights[i], sources.parts[i], box));
     }
-    for (std::size_t i = 0; i < sources.parts.size(); ++i) {
-        WidePhase& wide = all[std::size_t(sources.owners[i])];
-        const double own = widest[std::size_t(sources.owners[i])];
-        if (wide.ofSky || wide.ofSurface || sources.ofMesh[i]) continue;
+    std::vector<WidePhase> all(widest.size());
+    for (std::size_t owner = 0; owner < all.size(); ++owner) {
+        const Light& light = scene.lights[std::size_t(sources.ofScene[owner])];
+        const double own = widest[owner];
+        if (isMesh(light) || !needsCaps(phase, light.dome() ? own : kCapsOfSurfaces * own)) continue;
         // The edge of a square as large as the cap.
-        if (sources.ofSky[i] && needsCaps(phase, own)) wide.ofSky.emplace(phase, std::sqrt(std::numbers::pi) * own);
-        if (!sources.ofSky[i] && needsCaps(phase, kCapsOfSurfaces * own))
-            wide.ofSurface = std::make_shared<const PhaseOverCaps>(phase, own);
+        if (light.dome())
+            all[owner].ofSky.emplace(phase, std::sqrt(std::numbers::pi) * own);
+        else if (light.distant())
+            all[owner].ofSun = PhaseOverCaps(phase, own).row(own);
+        else
+            all[owner].ofSurface = std::make_shared<const PhaseOverCaps>(phase, own);
     }
     return all;
 }
@@ -196,6 +196,7 @@ class Pass {
     // `lamp`: what the sources stand for, if it is a lamp. `far`: what it shares with other lamps, if it does.
     void add(const Sources& sources, const Phase& phase, const std::vector<WidePhase>& wide, const Light* lamp,
              int colour, CellSlices& slices, CellField& field, CellField* far = nullptr) const {
+        static const WidePhase kNarrow;
         const std::size_t colours = colour < 0 ? field.colours() : 1;
         CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours, {}};
         view.eye =
@@ -213,7 +214,7 @@ class Pass {
         for (auto first = sources.owners.begin(), last = first; first != end; first = last) {
             last = std::upper_bound(first, end, *first);
             slices.clearSums(colours);
-            sweep(sources, wide.empty() ? WidePhase() : wide[std::size_t(*first)],
+            sweep(sources, wide.empty() ? kNarrow : wide[std::size_t(*first)],
                   std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view, slices);
             if (!lamp && sources.attenuated) slices.sharpen(colours);
             slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
@@ -227,16 +228,13 @@ class Pass {
     void sweep(const Sources& sources, const WidePhase& wide, std::size_t first, std::size_t count, int colour,
                const CellView& view, CellSlices& slices) const {
         std::vector<CellRays> suns[2], points;  // suns: those that go up, and those that go down
-        PhaseRow ofDisk;                        // of one light, whose parts are equal
         for (std::size_t i = first; i < first + count; ++i) {
             const Light& light = sources.lights[i];
             CellRays rays = raysOf(sources, light, slices);
-            const bool ofSky = !sources.lamp && sources.ofSky[i];
-            if (ofSky && wide.ofSky) rays.phaseRow = wide.ofSky->row.data();
-            if (!ofSky && wide.ofSurface && !sources.ofMesh[i]) {
-                if (rays.parallel && ofDisk.empty()) ofDisk = wide.ofSurface->row(capOf(sources.parts[i]));
-                rays.phaseRow = rays.parallel ? ofDisk.data() : nullptr;
-                rays.caps = rays.parallel ? nullptr : wide.ofSurface.get();
+            if (wide.ofSky) rays.phaseRow = wide.ofSky->row.data();
+            if (!wide.ofSun.empty()) rays.phaseRow = wide.ofSun.data();
+            if (wide.ofSurface) {
+                rays.caps = wide.ofSurface.get();
                 rays.capRadius = std::sqrt(sources.parts[i] / std::numbers::pi) / m_grid.edge();
             }
             // Relative to the tint where there is one value for all colours.

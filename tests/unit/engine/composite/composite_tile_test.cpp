@@ -117,7 +117,7 @@ TEST(CompositeTile, FrontToBackIsTheOverOperator) {
         const Stack stack = randomStack(1, mostAlpha);
         const RayTile rays = randomRays(2);
         States states;
-        compositeTile(rays, stack.list(), true, 0, states.values);
+        compositeTile(rays, stack.list(), true, states.values);
         for (int k = 0; k < kTileSize; ++k) {
             const Rgba expected = composited(rays, stack, k);
             for (int c = 0; c < 4; ++c)
@@ -132,7 +132,7 @@ TEST(CompositeTile, BackToFrontThroughTheReversedSheetsIsTheSame) {
         const Stack stack = randomStack(3, mostAlpha), reversed = stack.reversed();
         const RayTile rays = randomRays(4);
         States states;
-        compositeTile(rays, reversed.list(), false, 0, states.values);
+        compositeTile(rays, reversed.list(), false, states.values);
         for (int k = 0; k < kTileSize; ++k) {
             const Rgba expected = composited(rays, stack, k);
             for (int c = 0; c < 4; ++c)
@@ -148,14 +148,14 @@ TEST(CompositeTile, InTwoListsIsTheSameBitsAsInOne) {
     const RayTile rays = randomRays(6);
     for (const bool frontToBack : {true, false}) {
         States whole, parts;
-        compositeTile(rays, stack.list(), frontToBack, 0, whole.values);
+        compositeTile(rays, stack.list(), frontToBack, whole.values);
         SheetList first = stack.list(), second = stack.list();
         first.count = 13;
         second.planes += 13;
         second.steps += 13;
         second.count -= 13;
-        compositeTile(rays, first, frontToBack, 0, parts.values);
-        compositeTile(rays, second, frontToBack, 0, parts.values);
+        compositeTile(rays, first, frontToBack, parts.values);
+        compositeTile(rays, second, frontToBack, parts.values);
         for (int i = 0; i < 4 * kTileSize; ++i) ASSERT_EQ(whole.values[i], parts.values[i]) << i;
     }
 }
@@ -171,12 +171,12 @@ TEST(CompositeTile, KeepsOpacitiesFarBelowAFloatsRoundingOfOne) {
     for (int k = 0; k < kTileSize; ++k) rays.u[k] = rays.v[k] = 8;
     for (const bool frontToBack : {true, false}) {
         States states;
-        compositeTile(rays, stack.list(), frontToBack, 0, states.values);
+        compositeTile(rays, stack.list(), frontToBack, states.values);
         EXPECT_NEAR(states.values[3], -1e-11, 1e-17);
     }
 }
 
-// Front to back, a pixel with less transmittance than the cutoff is done; back to front there is no such thing.
+// Front to back, a pixel that is closed is done; back to front there is no such thing.
 TEST(CompositeTile, LeavesPixelsAloneThatAreOpaqueAlready) {
     const Stack stack = randomStack(7, 0.2);
     RayTile rays{};
@@ -189,8 +189,12 @@ TEST(CompositeTile, LeavesPixelsAloneThatAreOpaqueAlready) {
         States before, after, without;
         for (int k = 0; k < kTileSize; ++k) before.values[4 * k + 3] = opaque(k) ? -0.995f : -0.5f;
         after = without = before;
-        compositeTile(rays, stack.list(), frontToBack, 0.01f, after.values);
-        compositeTile(rays, stack.list(), frontToBack, 0, without.values);
+        std::array<std::uint8_t, kTileSize> closed;
+        for (std::size_t k = 0; k < kTileSize; ++k) closed[k] = 1 + before.values[4 * k + 3] < 0.01f ? 1 : 0;
+        SheetList list = stack.list();
+        list.closed = closed.data();
+        compositeTile(rays, list, frontToBack, after.values);
+        compositeTile(rays, stack.list(), frontToBack, without.values);
         for (int k = 0; k < kTileSize; ++k)
             for (int c = 0; c < 4; ++c) {
                 if (frontToBack && opaque(k)) {
@@ -309,7 +313,7 @@ TEST(CompositeTile, ReadsPlanesOfMoreThanTwoToTheThirtyOneFloats) {
     std::fill(rays.v, rays.v + kTileSize, last + 0.5f);
     const Real* pointer = plane.plane(0);
     std::vector<Real> steps(9, 0.0f), state(std::size_t(floats) * kTileSize, 0.0f);
-    compositeTile(rays, {&pointer, steps.data(), 1, edge, edge, layout}, true, 0, state.data());
+    compositeTile(rays, {&pointer, steps.data(), 1, edge, edge, layout}, true, state.data());
     for (int f = 0; f < floats; ++f) EXPECT_EQ(state[std::size_t(f)], f + 1 == floats ? -0.5f : 2.0f) << f;
 }
 
