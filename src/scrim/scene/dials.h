@@ -40,8 +40,10 @@ struct Dials {
     std::optional<double> crossFade;
     double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque
     double lightError = 0.005;    ///< relative error allowed to the sub-lights that represent an extended light
-    double lod = 0;     ///< projected size of a voxel, pixels, below which a coarser level is splatted; 0: never
-    int antialias = 1;  ///< n x n rays a pixel
+    /// Projected size of a voxel, pixels, below which a coarser level is splatted; 0: never; no value: chosen for the
+    /// preset's promise (verify/promise.h), or 0 where nobody chooses.
+    std::optional<double> lod;
+    int antialias = 1;                ///< n x n rays a pixel
     std::optional<double> lightCell;  ///< edge, in voxels, of the cells of lights on cells; no value: chosen
     /// Edge, in voxels, of the cells that carry multiply scattered light; no value: chosen for the preset's promise
     /// (verify/promise.h), or kScatterCell where nobody chooses.

@@ -127,6 +127,19 @@ Dial cellEdge(std::string name, std::optional<double> Dials::*member, std::strin
     return d;
 }
 
+Dial lod() {
+    Dial d;
+    d.words = {"auto"};
+    d.info = {"lod", "pixels", "", "'auto', or a number from 0 to 64",
+              "size below which voxels are splatted from a coarser level of the grid; 0: never; auto: as large as the "
+              "error that the preset promises allows, or 0 where texel or sheet_thickness is given"};
+    d.allows = [](double v) { return v >= 0 && v <= 64; };
+    d.setNumber = [](Dials& dials, double v) { dials.lod = v; };
+    d.setWord = [](Dials& dials, std::size_t) { dials.lod.reset(); };
+    d.get = [](const Dials& dials) { return dials.lod ? text(*dials.lod) : std::string("auto"); };
+    return d;
+}
+
 Dial scatterDirections() {
     Dial d;
     d.words = {"auto"};
@@ -179,8 +192,7 @@ std::vector<Dial> makeDials() {
         "edge of the cells that keep the light of extended lights and of lamps within a volume; auto: 0.25 "
         "to 4 by the optical depth of a voxel and the size of the volumes, 0.7 of more than 1 for area lights, "
         "half for a light_error below 0.004; error of second order"));
-    all.push_back(number("lod", "pixels", 0, 64, &Dials::lod,
-                         "size below which voxels are splatted from a coarser level of the grid; 0: never"));
+    all.push_back(lod());
     all.push_back(integer(
         "antialias", "rays a pixel's edge", "a whole number from 1 to 16", [](double v) { return v >= 1 && v <= 16; },
         &Dials::antialias, "n x n rays a pixel"));

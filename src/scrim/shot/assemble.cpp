@@ -30,10 +30,11 @@ double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4&
 
 // Halves the field's resolution as long as its voxels stay below `lod` pixels.
 std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, double lod, const Mat4& wsFromAsset,
-                                                     std::shared_ptr<const SparseField> field) {
+                                                     std::shared_ptr<const SparseField> field, CoarserLevels* levels) {
     if (field->empty()) return field;
+    CoarserLevels own;
     while (2 * voxelInPixels(camera, *field, wsFromAsset * field->wsFromIs) <= lod && field->activeVoxels > 1)
-        field = std::make_shared<SparseField>(coarser(*field));
+        field = (levels != nullptr ? *levels : own).below(field);
     return field;
 }
 
@@ -71,10 +72,11 @@ std::optional<Kernel> kernelOf(GridInterpolation interpolation) {
 }
 
 // A volume with all fields that are derived from its grids; no value where all of it is empty.
-std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields) {
+std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields,
+                                 CoarserLevels* levels) {
     const auto viewed = [&](FieldPointer field) {
         if (scene.dials.lod > 0)
-            field = withLevelOfDetail(scene.camera, scene.dials.lod, volume.wsFromAsset, std::move(field));
+            field = withLevelOfDetail(scene.camera, *scene.dials.lod, volume.wsFromAsset, std::move(field), levels);
         return ViewField{std::move(field), Mat4(1.0), kernelOf(volume.interpolation)};
     };
     ViewVolume out;
@@ -178,7 +180,7 @@ void checkShadows(const Scene& scene, const ViewScene& view) {
 }
 
 ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,
-                   std::size_t memoryLimit, VolumesOf volumesOf) {
+                   std::size_t memoryLimit, VolumesOf volumesOf, CoarserLevels* levels) {
     ViewScene out;
     out.camera = scene.camera;
     out.region = out.picture = pictureOf(scene);
@@ -204,7 +206,7 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     out.lines = scene.lines;
     out.volumeCount = scene.volumes.size();
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-        std::optional<ViewVolume> volume = viewOf(scene, scene.volumes[i], fields[i]);
+        std::optional<ViewVolume> volume = viewOf(scene, scene.volumes[i], fields[i], levels);
         if (!volume || (!fields[i].culled.empty() && volumesOf == VolumesOf::picture)) {
             if (!fields[i].culled.empty()) out.culled.emplace_back(scene.volumes[i].name, fields[i].culled);
             continue;

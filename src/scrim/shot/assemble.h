@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/scene/view_scene.h>
+#include <scrim/volume/coarser.h>
 #include <scrim/scene/scene.h>
 
 #include <array>
@@ -54,7 +55,8 @@ void cull(const Scene& scene, ViewScene& view);
 /// Ramps are applied, and coarser levels are built where the dial `lod` asks for them. Fields stay where the files have
 /// them, beside the velocity that moves them. Fields that are derived from others count against `memoryLimit` (bytes);
 /// throws Error(memory) where they exceed it.
+/// `levels` keeps coarser levels for further views; null: they are made for this one.
 ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,
-                   std::size_t memoryLimit, VolumesOf volumesOf = VolumesOf::picture);
+                   std::size_t memoryLimit, VolumesOf volumesOf = VolumesOf::picture, CoarserLevels* levels = nullptr);
 
 }  // namespace scrim

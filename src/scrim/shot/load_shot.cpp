@@ -127,7 +127,8 @@ void checkOptions(const RenderOptions& options) {
 ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf volumesOf) const {
     Scene turned = scene;
     turned.dials.lod = lod;
-    ViewScene view = assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf);
+    ViewScene view =
+        assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf, levels.get());
     view.solids = solids;
     if (wantsMotion(turned)) addMotion(view, turned, nextAt(0), fields);
     return view;
@@ -169,7 +170,8 @@ Fields LoadedShot::fieldsAt(double t) const {
 ViewScene LoadedShot::viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf) const {
     Scene at = sceneAt(t);
     at.dials.lod = lod;
-    ViewScene view = assemble(at, fieldsAt(t), options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf);
+    ViewScene view = assemble(at, fieldsAt(t), options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf,
+                              levels.get());
     view.solids = scene.movesWithin ? solidsOf(at) : solids;
     return view;
 }
@@ -196,6 +198,7 @@ std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, 
                                    const RenderOptions& options, VolumesOf volumesOf, ShotUse use) {
     LoadedShot out;
     out.scene = std::move(scene);
+    out.levels = stores.levels;
     checkVolumes(out.scene, stores.fields);
     checkChannels(out.scene);
     out.files = stores.fields.filesOf(out.scene);

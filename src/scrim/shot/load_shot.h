@@ -28,6 +28,7 @@ struct ShotStores {
     FieldStore fields;
     SlideStore slides;
     MeshStore meshes = {};
+    std::shared_ptr<CoarserLevels> levels = std::make_shared<CoarserLevels>();
     DepthStore depths = {};
 };
 
@@ -37,6 +38,7 @@ struct LoadedShot {
     Fields fields;                         ///< one entry for each of the scene's volumes
     std::size_t slideBytes = 0;            ///< memory of slides, meshes and depth pictures
     std::shared_ptr<const Solids> solids;  ///< null: there are no solids
+    std::shared_ptr<CoarserLevels> levels = {};
 
     /// The scene by its text, a number of frames after the frame; empty: nothing moves, or it is not needed.
     std::function<Scene(double)> textAt = {};

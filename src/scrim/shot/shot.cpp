@@ -87,7 +87,7 @@ void warnOfPromise(const std::string& preset, const PromisedDials& chosen, const
 }
 
 Vec3 middleOf(const LoadedShot& loaded, const RenderOptions& options) {
-    const Bounds ws = wsBounds(loaded.view(options, loaded.scene.dials.lod, VolumesOf::picture));
+    const Bounds ws = wsBounds(loaded.view(options, loaded.scene.dials.lod.value_or(0), VolumesOf::picture));
     return ws.empty() ? Vec3(0) : ws.center();
 }
 
@@ -183,8 +183,10 @@ void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Shot
                 richest = withOptions(sceneAt(frame, options), options, *stores);
             const auto loaded = loadShot(*stores, load, std::move(richest), whole, VolumesOf::picture, use);
             if (!loaded) return;
-            const ViewScene view = loaded->view(whole, loaded->scene.dials.lod, VolumesOf::picture);
-            promised.emplace(scene.quality, promisedDials(view, scene.quality));
+            const auto viewAt = [&](double lod) { return loaded->view(whole, lod, VolumesOf::picture); };
+            const bool chooses = scene.keepsPromise && !loaded->scene.dials.lod;
+            promised.emplace(scene.quality, promisedDials(viewAt(loaded->scene.dials.lod.value_or(0)), scene.quality,
+                                                          chooses ? viewAt : std::function<ViewScene(double)>()));
         } catch (const Error& error) {
             // An error in a file is reported when its own frame is rendered. Until then the preset's dials are those of
             // an average scene.
@@ -196,6 +198,7 @@ void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Shot
     const PromisedDials& chosen = promised->second;
     if (chosen.scattering) setScattering(scene.dials, chosen.scattering->choice);
     if (!scene.keepsPromise) return;
+    if (!scene.dials.lod) scene.dials.lod = chosen.dials.lod;
     scene.dials.texel = chosen.dials.texel;
     scene.dials.sheetThickness = chosen.dials.sheetThickness;
     scene.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, chosen.dials.opacityCutoff);

@@ -215,7 +215,7 @@ ShotMotion::ShotMotion(const LoadedShot& shot, const RenderOptions& options) : m
                                [](const auto& part) { return part && !part->empty(); });
         });
     if (!moves) return;
-    m_moments = std::make_shared<const Moments>(shot, options, shot.scene.dials.lod, middle());
+    m_moments = std::make_shared<const Moments>(shot, options, shot.scene.dials.lod.value_or(0), middle());
     m_path = longestPath();
     const std::optional<int>& samples = shot.scene.dials.shutterSamples;
     m_samples = samples ? *samples : samplesFor(m_path);
@@ -233,7 +233,8 @@ ViewScene ShotMotion::viewAt(double t) const {
 }
 
 ViewScene ShotMotion::view() const {
-    ViewScene view = moves() ? m_middle : m_shot.view(m_options, m_shot.scene.dials.lod, VolumesOf::picture);
+    ViewScene view =
+        moves() ? m_middle : m_shot.view(m_options, m_shot.scene.dials.lod.value_or(0), VolumesOf::picture);
     if (m_shot.scene.shutter) view.shutter = ViewShutter{m_shutter.open, m_shutter.close, m_samples, m_path, moves()};
     return view;
 }
@@ -351,7 +352,8 @@ double ShotMotion::wantedSamples(double error, double most) const {
     constexpr double kOrder = 1.75, kLeast = 2;
     const Int2 size = m_shot.scene.camera.resolution;
     const double scale = std::min(1.0, double(kPilotEdge) / std::max(size.x, size.y));
-    const Moments moments(m_shot, m_options, std::max(kPilotVoxel / scale, m_shot.scene.dials.lod), middle());
+    const Moments moments(m_shot, m_options, std::max(kPilotVoxel / scale, m_shot.scene.dials.lod.value_or(0)),
+                          middle());
     const ProgressSink waits = partOf(m_options.progress, 0, 0);
     const auto picture = [&](int count) {
         MeanFrame mean(count);

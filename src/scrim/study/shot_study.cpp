@@ -18,9 +18,9 @@ ShotStudy::ShotStudy(Shot& shot, int frame, const RenderOptions& options) : m_op
 }
 
 ViewScene ShotStudy::viewWith(const Dials& dials, VolumesOf volumesOf) {
-    const std::pair key(dials.lod, volumesOf);
+    const std::pair key(dials.lod.value_or(0), volumesOf);
     auto found = m_views.find(key);
-    if (found == m_views.end()) found = m_views.emplace(key, m_loaded.view(m_options, dials.lod, volumesOf)).first;
+    if (found == m_views.end()) found = m_views.emplace(key, m_loaded.view(m_options, key.first, volumesOf)).first;
     ViewScene turned = found->second;
     turned.dials = dials;
     turned.layers.clear();  // the study examines the beauty only

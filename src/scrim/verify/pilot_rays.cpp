@@ -55,6 +55,8 @@ class PilotVolume {
     }
 
     VolumeOptics optics;
+    Bounds bounds;    ///< world space
+    double step = 1;  ///< world units
 
   private:
     std::vector<double> m_glow;  // for each emission
@@ -65,21 +67,29 @@ struct PilotLight {
     double power;  // irradiance, or radiant intensity
 };
 
+double voxelOf(const ViewVolume& volume) {
+    double edge = kFar;
+    for (int axis = 0; axis < 3; ++axis) edge = std::min(edge, glm::length(Vec3(volume.wsFromIs[axis])));
+    return edge;
+}
+
 // The scene as pilot rays see it.
 class PilotScene {
   public:
-    explicit PilotScene(const ViewScene& scene) {
-        std::vector<Bounds> bounds;
+    /// `like`: the scene whose steps the rays take; null: they are chosen for this one.
+    explicit PilotScene(const ViewScene& scene, const PilotScene* like = nullptr) {
         FieldSamplers samplers;
         for (const ViewVolume& volume : scene.volumes) {
             if (volume.field->empty() && volume.emission.empty()) continue;
-            m_volumes.emplace_back(volume, samplers);
-            Bounds& own = bounds.emplace_back();
-            for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) own.include(corner);
-            m_bounds.include(own);
+            PilotVolume& own = m_volumes.emplace_back(volume, samplers);
+            for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) own.bounds.include(corner);
+            own.step = kStep * voxelOf(volume);
+            m_bounds.include(own.bounds);
         }
-        sortIntoCells(bounds);
-        m_voxel = voxelUnit(scene);
+        if (like != nullptr) m_bounds = like->m_bounds;
+        sortIntoCells();
+        m_voxel = like != nullptr ? like->m_voxel : voxelUnit(scene);
+        chooseSteps(like);
         for (const Light& light : scene.lights) m_lights.push_back({&light, glm::dot(light.intensity, Rgb(1.0 / 3))});
         std::stable_sort(m_lights.begin(), m_lights.end(),
                          [](const PilotLight& a, const PilotLight& b) { return a.power > b.power; });
@@ -105,21 +115,20 @@ class PilotScene {
     struct Seen {
         double exact = 0, texels = 0, alpha = 0, thickness = 0;
     };
-    Seen look(const Vec3& origin, const Vec3& direction, double jitter) const {
+    Seen look(const Vec3& origin, const Vec3& direction, double jitter, bool texels = true) const {
         Seen seen;
         const auto [first, last] = m_bounds.clip(origin, direction, 0, kFar);
         if (!(first < last)) return seen;
-        const double step = std::max(kStep * m_voxel, (last - first) / kMostSteps);
         double through[2] = {1, 1}, radiance[2] = {0, 0}, thickness = 0;
-        for (double t = first + jitter * step; t < last; t += step) {
+        walk(origin, direction, first, last, jitter, [&](double t, double step) {
             const Vec3 at = origin + t * direction;
             const Stuff exact = stuffAt(at);
-            const Stuff stuff[2] = {exact, evenSteps(at, direction, step) > 0 ? exact : texelsAt(at)};
-            if (stuff[0].extinction + stuff[1].extinction + stuff[0].glow + stuff[1].glow <= 0) continue;
+            const Stuff stuff[2] = {exact, !texels || evenSteps(at, direction, step) > 0 ? exact : texelsAt(at)};
+            if (stuff[0].extinction + stuff[1].extinction + stuff[0].glow + stuff[1].glow <= 0) return true;
             double light[2] = {m_ambient, m_ambient};
             const double before = radiance[0];
             if (through[0] * stuff[0].extinction * step > kLeastShare)
-                for (const PilotLight& l : m_lights) addLight(l, at, jitter, light);
+                for (const PilotLight& l : m_lights) addLight(l, at, jitter, texels, light);
             for (int i = 0; i < 2; ++i) {
                 const double tau = stuff[i].extinction * step, left = std::exp(-tau);
                 // Mean transmittance of emission within the step.
@@ -128,12 +137,67 @@ class PilotScene {
                 through[i] *= left;
             }
             thickness += (radiance[0] - before) * exact.extinction * m_voxel;
-            if (std::max(through[0], through[1]) < std::exp(-kMostDepth)) break;
-        }
+            return std::max(through[0], through[1]) >= std::exp(-kMostDepth);
+        });
         return {radiance[0], radiance[1], 1 - through[0], thickness};
     }
 
   private:
+    // All volumes have steps of about one length; or, of many volumes, the finest are taken for all.
+    void chooseSteps(const PilotScene* like) {
+        constexpr double kAlike = 1.5;
+        constexpr std::size_t kMany = 1000;
+        if (like != nullptr) {
+            m_even = like->m_even;
+            for (std::size_t v = 0; v < m_volumes.size(); ++v) {
+                m_volumes[v].step = like->m_volumes[v].step;
+                m_volumes[v].bounds = like->m_volumes[v].bounds;
+            }
+            return;
+        }
+        double most = 0;
+        for (const PilotVolume& volume : m_volumes) most = std::max(most, volume.step);
+        m_even = most <= kAlike * kStep * m_voxel || m_volumes.size() > kMany;
+    }
+    // Calls visit(t, length) for the steps of a ray, each as long as the finest volume there asks for, until it returns
+    // false. Nothing is visited outside of all volumes.
+    template <class Visit>
+    void walk(const Vec3& origin, const Vec3& direction, double first, double last, double jitter,
+              const Visit& visit) const {
+        if (m_even) {
+            const double step = std::max(kStep * m_voxel, (last - first) / kMostSteps);
+            for (double t = first + jitter * step; t < last; t += step)
+                if (!visit(t, step)) return;
+            return;
+        }
+        struct Part {
+            double first, last, step;
+        };
+        std::vector<Part> parts;
+        double steps = 0;
+        for (const PilotVolume& volume : m_volumes) {
+            const auto [from, to] = volume.bounds.clip(origin, direction, first, last);
+            if (!(from < to)) continue;
+            parts.push_back({from, to, volume.step});
+            steps += (to - from) / volume.step;
+        }
+        const double longer = std::max(1.0, steps / kMostSteps);
+        for (double t = first; t < last;) {
+            double step = kFar, next = last, end = kFar;
+            for (const Part& part : parts) {
+                if (part.first > t) next = std::min(next, part.first);
+                if (part.first > t || part.last <= t) continue;
+                if (part.step < step) step = part.step, end = part.last;
+            }
+            if (step < kFar) {
+                step = std::min({longer * step, next - t, end - t});
+                if (!visit(t + jitter * step, step)) return;
+                t += std::max(step, 1e-12 * last);
+            } else {
+                t = next;
+            }
+        }
+    }
     // Unit vector to the light; 0, 0, 0 at the place of the light itself.
     static Vec3 toLight(const Light& light, const Vec3& from) {
         const Vec3 way = light.distant() ? -light.wsDirection : light.wsPosition - from;
@@ -158,15 +222,15 @@ class PilotScene {
     std::size_t cellOf(const Vec3& ws) const {
         return std::size_t((cellAlong(ws.x, 0) * kCells + cellAlong(ws.y, 1)) * kCells + cellAlong(ws.z, 2));
     }
-    void sortIntoCells(const std::vector<Bounds>& of) {
+    void sortIntoCells() {
         constexpr std::size_t kFew = 8;
         if (m_volumes.size() <= kFew) return;
         m_cells.resize(std::size_t(kCells) * kCells * kCells);
-        for (std::size_t v = 0; v < of.size(); ++v) {
+        for (std::size_t v = 0; v < m_volumes.size(); ++v) {
             Int3 first, last;
             for (int axis = 0; axis < 3; ++axis) {
-                first[axis] = cellAlong(of[v].lower[axis], axis);
-                last[axis] = cellAlong(of[v].upper[axis], axis);
+                first[axis] = cellAlong(m_volumes[v].bounds.lower[axis], axis);
+                last[axis] = cellAlong(m_volumes[v].bounds.upper[axis], axis);
             }
             for (int x = first.x; x <= last.x; ++x)
                 for (int y = first.y; y <= last.y; ++y)
@@ -198,7 +262,7 @@ class PilotScene {
             }
         return {std::max(sum.extinction, 0.0), std::max(sum.glow, 0.0)};
     }
-    void addLight(const PilotLight& l, const Vec3& at, double jitter, double* light) const {
+    void addLight(const PilotLight& l, const Vec3& at, double jitter, bool texels, double* light) const {
         const Vec3 way = toLight(*l.light, at);
         if (way == Vec3(0)) return;
         double power = l.power, most = kFar;
@@ -215,13 +279,21 @@ class PilotScene {
         double tau[2] = {0, 0};
         if (l.light->shadows) {
             const double last = m_bounds.clip(at, way, 0, most).second;
+            if (!m_even)
+                walk(at, way, 0, last, jitter, [&](double t, double step) {
+                    const Vec3 here = at + t * way;
+                    const double extinction = stuffAt(here).extinction;
+                    tau[0] += extinction * step;
+                    tau[1] += (texels ? texelsAt(here).extinction : extinction) * step;
+                    return std::min(tau[0], tau[1]) < kMostDepth;
+                });
             const double step = std::max(kShadowStep * m_voxel, last / kMostSteps);
-            for (double t = jitter * step; t < last && std::min(tau[0], tau[1]) < kMostDepth;) {
+            for (double t = jitter * step; m_even && t < last && std::min(tau[0], tau[1]) < kMostDepth;) {
                 const Vec3 here = at + t * way;
                 const int even = std::min(evenSteps(here, way, step), static_cast<int>(std::ceil((last - t) / step)));
                 const double along = std::max(even, 1) * step, extinction = stuffAt(here).extinction;
                 tau[0] += extinction * along;
-                tau[1] += (even > 0 ? extinction : texelsAt(here).extinction) * along;
+                tau[1] += (even > 0 || !texels ? extinction : texelsAt(here).extinction) * along;
                 t += along;
             }
         }
@@ -234,6 +306,7 @@ class PilotScene {
     double m_ambient = 0;
     Bounds m_bounds;
     double m_voxel = 1;
+    bool m_even = true;
     Vec3 m_u, m_v;
 };
 
@@ -261,6 +334,50 @@ double visibleThickness(const ViewScene& given, int rays) {
         light += ray.exact;
     }
     return light > 0 ? thickness / light : 0;
+}
+
+namespace {
+
+// Standard deviation of the mean square, relative to it, of `count` rays with these sums of squares and fourth powers.
+double deviationOf(double squares, double fourths, int count) {
+    return std::sqrt(std::max(fourths / (squares * squares) - 1.0 / count, 0.0));
+}
+
+// The relative RMSE of these rays, whose values have the sum `values`.
+double oneDeviationAbove(double squares, double fourths, double values, int count) {
+    return std::sqrt((1 + deviationOf(squares, fourths, count)) * squares / count) / (values / count);
+}
+
+}  // namespace
+
+double coarserError(const ViewScene& givenFine, const ViewScene& givenCoarse, int rays) {
+    const ViewScene scene = withFewSubLights(givenFine, static_cast<int>(kMostLights));
+    const ViewScene coarser = withFewSubLights(givenCoarse, static_cast<int>(kMostLights));
+    const RayFamily family = wsRays(scene.camera);
+    const Int2 size = scene.camera.resolution;
+    const PilotScene fine(scene), coarse(coarser, &fine);
+    struct Ray {
+        double square = 0, value = 0;
+    };
+    std::vector<Ray> all(static_cast<std::size_t>(rays));
+    parallelFor(all.size(), [&](std::size_t i) {
+        const Vec3 place = pilotPlace(static_cast<int>(i));
+        const double x = place.x * size.x, y = place.y * size.y;
+        const Vec3 origin = family.origin(x, y), way = glm::normalize(family.direction(x, y));
+        const auto a = fine.look(origin, way, place.z, false);
+        if (a.alpha < 1e-3 && a.exact <= 0) return;
+        const auto b = coarse.look(origin, way, place.z, false);
+        all[i] = {(a.exact - b.exact) * (a.exact - b.exact), a.exact};
+    });
+    double squares = 0, fourths = 0, values = 0;
+    int count = 0;
+    for (const Ray& ray : all) {
+        squares += ray.square;
+        fourths += ray.square * ray.square;
+        values += ray.value;
+        count += ray.value > 0;
+    }
+    return squares > 0 && values > 0 ? oneDeviationAbove(squares, fourths, values, count) : 0;
 }
 
 double pilotError(const ViewScene& given, int rays) {
@@ -301,9 +418,9 @@ double pilotError(const ViewScene& given, int rays) {
         // Where errors are equal, the mean of their squares is known from a few rays. In layers and thin shells a few
         // rays have most of it, so it takes more: 48 rays found 0.4 of it in layers, 384 rays 0.8. What is returned is
         // one standard deviation above.
-        const double deviation = std::sqrt(std::max(all.fourths / (all.squares * all.squares) - 1.0 / all.count, 0.0));
+        const double deviation = deviationOf(all.squares, all.fourths, all.count);
         if (!(deviation > kSure) || rays >= kMostRays || all.count * 2 < rays)
-            return std::sqrt((1 + deviation) * all.squares / all.count) / (all.values / all.count);
+            return oneDeviationAbove(all.squares, all.fourths, all.values, all.count);
     }
 }
 

@@ -15,6 +15,10 @@ Vec3 pilotPlace(int i);
 /// these disagree. It serves to compare scenes. 0 where nothing is visible.
 double pilotError(const ViewScene& scene, int rays);
 
+/// The relative RMSE that the fields of `coarse` leave in the picture of `fine`, the same scene with finer fields, along
+/// `rays` rays.
+double coarserError(const ViewScene& fine, const ViewScene& coarse, int rays);
+
 /// The mean optical depth of a voxel where light comes from that the camera sees, by `rays` rays; 0 where nothing is
 /// visible.
 double visibleThickness(const ViewScene& scene, int rays);

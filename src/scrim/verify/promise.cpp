@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
 namespace scrim {
@@ -233,22 +234,90 @@ void setScattering(Dials& dials, const ScatterChoice& choice) {
     if (!dials.scatterDirections) dials.scatterDirections = choice.directions;
 }
 
-PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) {
-    const bool classified = anyClassified(scene);
-    const double promised = promisedError(quality, classified);
+namespace {
+
+// The finest texels and sheets that the promise of a preset may choose, voxels. The last of the error of opaque
+// surfaces, mostly at the edges of their shadows, would take minutes. Where this limit is not fine enough, a warning
+// says so.
+double finestFor(double promised, bool classified) {
+    return classified ? std::clamp(std::floor(28 * std::pow(promised / 0.02, 0.47)) / 100, 0.12, 0.5) : kFinestPromised;
+}
+
+// The dials by the model of a scene's texels and sheets.
+PromisedDials dialsOf(const ViewScene& scene, double promised) {
     // With dials this fine, kinks, rounding and quantised footprints lower the order of convergence.
     constexpr double kFine = 2e-3, kFineAim = 0.6;
-    // The last of the error of opaque surfaces, mostly at the edges of their shadows, would take minutes. Where this
-    // limit is not fine enough, a warning says so.
-    const double finest =
-        classified ? std::clamp(std::floor(28 * std::pow(promised / 0.02, 0.47)) / 100, 0.12, 0.5) : kFinestPromised;
-    PromisedDials out = dialsFor(scene.dials, classified ? modelOfSurfaces(scene) : modelOfMedia(scene),
-                                 promised < kFine ? kFineAim * promised : promised, finest);
+    const bool classified = anyClassified(scene);
+    return dialsFor(scene.dials, classified ? modelOfSurfaces(scene) : modelOfMedia(scene),
+                    promised < kFine ? kFineAim * promised : promised, finestFor(promised, classified));
+}
+
+// A rough time of a render, seconds: footprints with their texels, and pixels with the sheets that they meet, a third
+// of which are not empty (see expectedSeconds; a plan of the finest fields may take longer than the render of coarser
+// ones).
+double roughSeconds(const ViewScene& scene, const Dials& dials) {
+    constexpr double kFootprint = 2e-8, kTexel = 1.2e-9, kReach = 4, kPixelSheet = 1.5e-9;
+    const double unit = voxelUnit(scene);
+    double footprints = 0;
+    for (const ViewVolume& volume : scene.volumes) {
+        const double across =
+            kReach * std::cbrt(std::abs(glm::determinant(Mat3(volume.wsFromIs)))) / unit / dials.texel;
+        footprints += double(volume.field->activeVoxels) * (kFootprint + kTexel * across * across);
+    }
+    const double sheets = glm::length(wsBounds(scene).size()) / (dials.sheetThickness * unit);
+    return footprints + double(scene.picture.pixelCount()) * sheets * kPixelSheet;
+}
+
+std::uint64_t voxelsOf(const ViewScene& scene) {
+    std::uint64_t voxels = 0;
+    for (const ViewVolume& volume : scene.volumes) voxels += volume.field->activeVoxels;
+    return voxels;
+}
+
+// Coarser fields where voxels are smaller than the promise needs: `scene` and `out` become those of the value of `lod`
+// with the least time. Fields and texels each take a part of the promise.
+void chooseCoarser(const std::function<ViewScene(double)>& atLod, ViewScene& scene, PromisedDials& out) {
+    constexpr double kFirst = 0.25, kStep = 1.18920712, kLast = 8, kMostOfPromise = 0.85, kClearly = 0.9;
+    constexpr int kCoarserRays = 384;
+    const double promised = out.promised;
+    const ViewScene fine = scene;
+    std::uint64_t voxels = voxelsOf(fine);
+    double least = kClearly * roughSeconds(scene, out.dials);
+    for (double exact = kFirst; exact <= kLast; exact *= kStep) {
+        const double lod = std::round(100 * exact) / 100;  // easy to read and to type again
+        ViewScene tried = atLod(lod);
+        if (voxelsOf(tried) == voxels) continue;
+        voxels = voxelsOf(tried);
+        const double error = coarserError(fine, tried, kCoarserRays);
+        if (error > kMostOfPromise * promised) break;
+        PromisedDials dials = dialsOf(tried, std::sqrt(promised * promised - error * error));
+        const double seconds = roughSeconds(tried, dials.dials);
+        if (seconds > least) continue;
+        least = seconds;
+        dials.dials.opacityCutoff = out.dials.opacityCutoff;
+        dials.dials.lightError = out.dials.lightError;
+        out = std::move(dials);
+        out.promised = promised;
+        out.expected = std::hypot(out.expected, error);
+        out.dials.lod = lod;
+        scene = std::move(tried);
+    }
+}
+
+}  // namespace
+
+PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
+                            const std::function<ViewScene(double)>& atLod) {
+    ViewScene scene = given;
+    const bool classified = anyClassified(scene);
+    const double promised = promisedError(quality, classified), finest = finestFor(promised, classified);
+    PromisedDials out = dialsOf(scene, promised);
     out.promised = promised;
     if (classified)
         boundSurfaces(out.dials);
-    else
-        addThickness(scene, out);
+    else if (atLod)
+        chooseCoarser(atLod, scene, out);
+    if (!classified) addThickness(scene, out);
     addNarrow(scene, out);
     if (solidsBlock(scene)) resolveEdges(out, finest);
     if (const auto scattered = scatterPilot(scene)) {

@@ -8,6 +8,7 @@
 #include <scrim/verify/scatter_pilot.h>
 #include <scrim/verify/tolerance.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,7 +56,9 @@ PromisedDials dialsFor(const Dials& dials, const ToleranceModel& model, double p
 void setScattering(Dials& dials, const ScatterChoice& choice);
 
 /// `scene.dials` with the cheapest texels and sheets that should keep the promise of preset `quality`, and the cheapest
-/// cells and directions of multiply scattered light.
-PromisedDials promisedDials(const ViewScene& scene, const std::string& quality);
+/// cells and directions of multiply scattered light. `atLod` gives the same scene with another value of the dial `lod`,
+/// which is then chosen, too; null: the scene has its own.
+PromisedDials promisedDials(const ViewScene& scene, const std::string& quality,
+                            const std::function<ViewScene(double)>& atLod = {});
 
 }  // namespace scrim

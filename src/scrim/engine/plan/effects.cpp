@@ -397,7 +397,8 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back(ofDial(scene, "antialiasing", "render.antialias", dials.antialias > 1,
                              fmt::format("{0} x {0} rays a pixel", dials.antialias)));
     effects.push_back(ofDial(scene, "level of detail", "render.lod", dials.lod > 0,
-                             dials.lod > 0 ? fmt::format("voxels may shrink to {} pixels", dials.lod) : "lod is 0"));
+                             dials.lod > 0 ? fmt::format("voxels may shrink to {} pixels", *dials.lod)
+                                           : "voxels are as the files have them"));
     const std::string inParts = fmt::format("its rays are swept in {} parts", plan.eyeParts.size());
     const bool wide = plan.eyeParts.size() > 1;
     effects.push_back({"wide eye", wide, wide ? inParts : "one sweep holds all of its rays", {}});
