@@ -6,10 +6,9 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/composite/compositor.h>
+#include <scrim/engine/level_sweep.h>
 #include <scrim/engine/light/solid_shadow.h>
-#include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/shade/sheet_shader.h>
-#include <scrim/engine/splat/extinction_sum.h>
 #include <scrim/engine/transport/light_cells.h>
 #include <scrim/engine/transport/scattered_light.h>
 
@@ -114,10 +113,11 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
         PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth.has_value()), {}, {}, {}};
     auto& [tiles, work, times, deepImage] = swept;
     const EyeView eye(supersampled(scene.camera, n), group.sheets, plan.simd);
-    ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
+    LevelSheets sheets(scene, plan, group);
+    ExtinctionSum& extinction = sheets.extinction;
+    LightSweep& lights = sheets.lights;
     if (onlyRaysLook(group)) extinction.leaveOutTexels();
-    LightSweep lights(scene, plan, group);
-    const SheetShader shader(scene, plan, group, extinction, lights, eye, cellLight);
+    const SheetShader shader(scene, plan, sheets, eye, cellLight);
     const auto deep = deepRays(scene, group, tiles, mostDeepBytes);
     Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff), ends, deep.get());
     std::optional<PlaneStack> shaded;
@@ -160,6 +160,20 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     work.bytes = {extinction.bytes(), lights.bytes(), shaded ? shaded->bytes() : 0,
                   tiles.bytes() + (ends ? ends->bytes() : 0)};
     if (deep) keepDeep(*deep, eye, n, swept);
+    return swept;
+}
+
+// The sweep of a group whose volumes have sheets of several levels.
+Swept sweepOfLevels(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
+                    const std::vector<CellLight>& cellLight,
+                    const std::function<void(double, const PixelTiles&)>& progress) {
+    Stopwatch watch;
+    const OutputLayout& layout = group.outputs.layout;
+    const PixelWindow window = supersampled(plan.eyeParts[group.eyePart].window, scene.dials.antialias);
+    Swept swept{PixelTiles(window, layout, layout.depth.has_value()), {}, {}, {}};
+    swept.work = sweepLevels(scene, plan, group, ends, cellLight, swept.tiles,
+                             [&](double done) { progress(done, swept.tiles); });
+    swept.times.composite = watch.lap();
     return swept;
 }
 
@@ -220,11 +234,14 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
             ends = eyeEnds(scene, plan.eyeParts[part]);
             if (ends) frame.work.solidRays += ends->rays();
         }
-        Swept swept = sweep(scene, plan, plan.groups[g], ends.get(), cellLight, deepBytesLeft(plan, deep),
-                            [&](double done, const PixelTiles& tiles) {
-                                goOn((double(g) + done) / double(plan.groups.size()));
-                                show(plan.groups[g], tiles);
-                            });
+        const GroupPlan& group = plan.groups[g];
+        const auto goesOn = [&](double done, const PixelTiles& tiles) {
+            goOn((double(g) + done) / double(plan.groups.size()));
+            show(group, tiles);
+        };
+        Swept swept = group.finer.empty()
+                          ? sweep(scene, plan, group, ends.get(), cellLight, deepBytesLeft(plan, deep), goesOn)
+                          : sweepOfLevels(scene, plan, group, ends.get(), cellLight, goesOn);
         resolve(scene, plan, plan.groups[g], swept.tiles, frame);
         frame.work += swept.work;
         frame.times += swept.times;

@@ -71,9 +71,10 @@ std::optional<Kernel> kernelOf(GridInterpolation interpolation) {
     return interpolation == GridInterpolation::smooth ? Kernel::bspline : Kernel::linear;
 }
 
-// A volume with all fields that are derived from its grids; no value where all of it is empty.
+// A volume with all fields that are derived from its grids; no value where all of it is empty. `view` is told what was
+// left out of it.
 std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields,
-                                 CoarserLevels* levels) {
+                                 VolumesOf volumesOf, CoarserLevels* levels, ViewScene& view) {
     const auto viewed = [&](FieldPointer field) {
         if (scene.dials.lod > 0)
             field = withLevelOfDetail(scene.camera, *scene.dials.lod, volume.wsFromAsset, std::move(field), levels);
@@ -93,6 +94,19 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
         return volume.classified || volume.clip.empty() ? field : clippedField(field, volume.clip);
     };
     density = cut(density);
+    if (volumesOf == VolumesOf::picture && !volume.classified && fields.velocity.empty()) {
+        Medium medium = volume.medium;
+        medium.densityScale = volume.densityScale;
+        const Mat3 edges = Mat3(volume.wsFromAsset) * Mat3(density->wsFromIs);
+        const double edge = std::max({glm::length(edges[0]), glm::length(edges[1]), glm::length(edges[2])});
+        const FieldPointer whole = density;
+        density = withoutStrays(whole, medium.mostExtinction() * edge);
+        if (density != whole)
+            view.culled.emplace_back(volume.name,
+                                     fmt::format("{} faint voxels of it, far from all others, take at most 0.01 % of "
+                                                 "the light",
+                                                 whole->activeVoxels - density->activeVoxels));
+    }
     if (!volume.classified && !volume.holdout) {
         for (std::size_t i = 0; i < fields.emission.size(); ++i)
             if (fields.emission[i] && !fields.emission[i]->empty())
@@ -206,7 +220,7 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     out.lines = scene.lines;
     out.volumeCount = scene.volumes.size();
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-        std::optional<ViewVolume> volume = viewOf(scene, scene.volumes[i], fields[i], levels);
+        std::optional<ViewVolume> volume = viewOf(scene, scene.volumes[i], fields[i], volumesOf, levels, out);
         if (!volume || (!fields[i].culled.empty() && volumesOf == VolumesOf::picture)) {
             if (!fields[i].culled.empty()) out.culled.emplace_back(scene.volumes[i].name, fields[i].culled);
             continue;

@@ -104,6 +104,87 @@ FieldPointer withRamp(const SparseField& field, const Ramp& ramp) {
     return out;
 }
 
+namespace {
+
+// A block or tile that hardly shows: the most optical depth that any ray has in it.
+struct Faint {
+    Bounds is;
+    std::size_t number;  // of the block, or, beyond them, of the tile
+    double depth;
+};
+
+Bounds boundsOf(const Int3& origin, int edge) {
+    Bounds is;
+    is.include(Vec3(origin));
+    is.include(Vec3(origin) + double(edge - 1));
+    return is;
+}
+
+double volumeOf(const Bounds& box) {
+    const Vec3 size = box.size() + 1.0;
+    return size.x * size.y * size.z;
+}
+
+}  // namespace
+
+FieldPointer withoutStrays(const FieldPointer& field, double extinction) {
+    constexpr double kSparse = 1e-3, kFaint = 0.05, kMostLost = 1e-4, kSmaller = 0.5, kDiagonal = 1.7320508;
+    const Bounds all = field->isBounds();
+    if (field->empty() || double(field->activeVoxels) > kSparse * volumeOf(all)) return field;
+    std::vector<Faint> faint;
+    Bounds rest;
+    const auto sort = [&](const Int3& origin, int edge, std::size_t number, double depth) {
+        if (depth < kFaint)
+            faint.push_back({boundsOf(origin, edge), number, depth});
+        else
+            rest.include(boundsOf(origin, edge));
+    };
+    for (std::size_t b = 0; b < field->blockCount(); ++b) {
+        double most = 0, sum = 0;
+        for (int i = 0; i < kBlockVoxels; ++i) {
+            most = std::max(most, double(field->block(b)[i]));
+            sum += double(field->block(b)[i]);
+        }
+        sort(field->blockOrigins[b], kBlockEdge, b, extinction * kDiagonal * std::min(kBlockEdge * most, sum));
+    }
+    for (std::size_t t = 0; t < field->tiles.size(); ++t) {
+        const ConstantTile& tile = field->tiles[t];
+        sort(tile.origin, tile.edge, field->blockCount() + t, extinction * kDiagonal * tile.edge * double(tile.value));
+    }
+    if (rest.empty()) return field;
+    // The farthest go first, as long as all of them together take little of the light on the smallest face of the rest.
+    const Vec3 size = rest.size() + 1.0, middle = rest.center();
+    const double face = std::min({size.x * size.y, size.y * size.z, size.z * size.x});
+    const auto away = [&](const Faint& f) { return glm::distance(f.is.center(), middle); };
+    std::sort(faint.begin(), faint.end(), [&](const Faint& a, const Faint& b) {
+        return away(a) != away(b) ? away(a) > away(b) : a.number < b.number;
+    });
+    std::vector<bool> dropped(field->blockCount() + field->tiles.size(), false);
+    double lost = 0;
+    for (const Faint& f : faint) {
+        const double edge = f.is.size().x + 1;
+        lost += f.depth * std::min(1.0, edge * edge / face);
+        if (lost > kMostLost || rest.contains(f.is.center())) break;
+        dropped[f.number] = true;
+    }
+    for (const Faint& f : faint)
+        if (!dropped[f.number]) rest.include(f.is);
+    if (volumeOf(rest) > kSmaller * volumeOf(all)) return field;
+    FieldPieces pieces;
+    pieces.name = field->name;
+    pieces.wsFromIs = field->wsFromIs;
+    std::vector<std::size_t> kept;
+    for (std::size_t b = 0; b < field->blockCount(); ++b)
+        if (!dropped[b]) kept.push_back(b), pieces.blockOrigins.push_back(field->blockOrigins[b]);
+    for (std::size_t t = 0; t < field->tiles.size(); ++t)
+        if (!dropped[field->blockCount() + t]) pieces.tiles.push_back(field->tiles[t]);
+    pieces.fill = [&](std::size_t i, float* values) { std::copy_n(field->block(kept[i]), kBlockVoxels, values); };
+    auto out = std::make_shared<SparseField>(buildField(std::move(pieces)));
+    out->nonFinite = field->nonFinite;
+    out->negative = field->negative;
+    return out;
+}
+
 std::vector<FieldPointer> scatteringFields(const SparseField& density, const std::array<FieldPointer, 3>& albedo,
                                            const ColourGrid& look) {
     const AlbedoAt albedoAt(density, albedo, look);

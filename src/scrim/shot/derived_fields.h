@@ -18,6 +18,11 @@ using FieldPointer = std::shared_ptr<const SparseField>;
 /// empty whatever the ramp maps 0 to, since only active voxels are splatted.
 FieldPointer withRamp(const SparseField& field, const std::vector<std::pair<double, double>>& ramp);
 
+/// The field without faint blocks far from all others, which would enlarge the box that is rendered. `extinction`: of a
+/// value of 1 and a voxel's edge. What is left out takes at most a ten-thousandth of the light of a view of the rest.
+/// Returns `field` itself where nothing is.
+FieldPointer withoutStrays(const FieldPointer& field, double extinction);
+
 /// The density times the red, green and blue albedo at each of the density's voxels, as three fields on the density's
 /// lattice. The albedo is converted from its own space (see ColourGrid), interpolated where the lattices differ, and
 /// clamped to [0, 1]. Voxels are multiplied, not reconstructed fields, so that colours do not darken towards a rim

@@ -3,6 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
+#include <scrim/engine/plan/levels.h>
 #include <scrim/scene/light_at.h>
 #include <scrim/scene/optics.h>
 
@@ -88,7 +89,7 @@ class PilotScene {
         }
         if (like != nullptr) m_bounds = like->m_bounds;
         sortIntoCells();
-        m_voxel = like != nullptr ? like->m_voxel : voxelUnit(scene);
+        m_voxel = like != nullptr ? like->m_voxel : dialUnit(scene);
         chooseSteps(like);
         for (const Light& light : scene.lights) m_lights.push_back({&light, glm::dot(light.intensity, Rgb(1.0 / 3))});
         std::stable_sort(m_lights.begin(), m_lights.end(),
@@ -155,9 +156,13 @@ class PilotScene {
             }
             return;
         }
-        double most = 0;
-        for (const PilotVolume& volume : m_volumes) most = std::max(most, volume.step);
-        m_even = most <= kAlike * kStep * m_voxel || m_volumes.size() > kMany;
+        double most = 0, least = kFar;
+        for (const PilotVolume& volume : m_volumes) {
+            most = std::max(most, volume.step);
+            least = std::min(least, volume.step);
+        }
+        const double step = kStep * m_voxel;
+        m_even = (most <= kAlike * step && least >= step / kAlike) || m_volumes.size() > kMany;
     }
     // Calls visit(t, length) for the steps of a ray, each as long as the finest volume there asks for, until it returns
     // false. Nothing is visited outside of all volumes.
@@ -350,32 +355,43 @@ double oneDeviationAbove(double squares, double fourths, double values, int coun
 
 }  // namespace
 
-double coarserError(const ViewScene& givenFine, const ViewScene& givenCoarse, int rays) {
-    const ViewScene scene = withFewSubLights(givenFine, static_cast<int>(kMostLights));
-    const ViewScene coarser = withFewSubLights(givenCoarse, static_cast<int>(kMostLights));
-    const RayFamily family = wsRays(scene.camera);
-    const Int2 size = scene.camera.resolution;
-    const PilotScene fine(scene), coarse(coarser, &fine);
-    struct Ray {
-        double square = 0, value = 0;
-    };
-    std::vector<Ray> all(static_cast<std::size_t>(rays));
-    parallelFor(all.size(), [&](std::size_t i) {
-        const Vec3 place = pilotPlace(static_cast<int>(i));
-        const double x = place.x * size.x, y = place.y * size.y;
-        const Vec3 origin = family.origin(x, y), way = glm::normalize(family.direction(x, y));
-        const auto a = fine.look(origin, way, place.z, false);
-        if (a.alpha < 1e-3 && a.exact <= 0) return;
-        const auto b = coarse.look(origin, way, place.z, false);
-        all[i] = {(a.exact - b.exact) * (a.exact - b.exact), a.exact};
-    });
+struct CoarserPilot::Rays {
+    Rays(const ViewScene& given, int count)
+        : scene(withFewSubLights(given, static_cast<int>(kMostLights))), pilots(scene), seen(look(pilots, count)) {}
+
+    // The radiance of each ray, 0 where nothing is visible.
+    std::vector<double> look(const PilotScene& through, int count) const {
+        const RayFamily family = wsRays(scene.camera);
+        std::vector<double> radiance(static_cast<std::size_t>(count));
+        parallelFor(radiance.size(), [&](std::size_t i) {
+            const Vec3 place = pilotPlace(static_cast<int>(i));
+            const double x = place.x * scene.camera.resolution.x, y = place.y * scene.camera.resolution.y;
+            const auto ray = through.look(family.origin(x, y), glm::normalize(family.direction(x, y)), place.z, false);
+            radiance[i] = ray.alpha < 1e-3 ? 0 : ray.exact;
+        });
+        return radiance;
+    }
+
+    const ViewScene scene;
+    const PilotScene pilots;
+    const std::vector<double> seen;
+};
+
+CoarserPilot::CoarserPilot(const ViewScene& scene, int rays) : m_rays(std::make_unique<const Rays>(scene, rays)) {}
+CoarserPilot::~CoarserPilot() = default;
+
+double CoarserPilot::error(const ViewScene& coarser) const {
+    const ViewScene scene = withFewSubLights(coarser, static_cast<int>(kMostLights));
+    const PilotScene pilots(scene, &m_rays->pilots);
+    const std::vector<double> seen = m_rays->look(pilots, static_cast<int>(m_rays->seen.size()));
     double squares = 0, fourths = 0, values = 0;
     int count = 0;
-    for (const Ray& ray : all) {
-        squares += ray.square;
-        fourths += ray.square * ray.square;
-        values += ray.value;
-        count += ray.value > 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        const double exact = m_rays->seen[i], square = (exact - seen[i]) * (exact - seen[i]);
+        squares += square;
+        fourths += square * square;
+        values += exact;
+        count += exact > 0 || seen[i] > 0;
     }
     return squares > 0 && values > 0 ? oneDeviationAbove(squares, fourths, values, count) : 0;
 }

@@ -5,6 +5,8 @@
 
 #include <scrim/scene/view_scene.h>
 
+#include <memory>
+
 namespace scrim {
 
 /// Ray `i` of a pilot: its place in the unit square of the picture, and a number in [0, 1) that shifts its steps. An
@@ -15,9 +17,20 @@ Vec3 pilotPlace(int i);
 /// these disagree. It serves to compare scenes. 0 where nothing is visible.
 double pilotError(const ViewScene& scene, int rays);
 
-/// The relative RMSE that the fields of `coarse` leave in the picture of `fine`, the same scene with finer fields, along
-/// `rays` rays.
-double coarserError(const ViewScene& fine, const ViewScene& coarse, int rays);
+/// What coarser fields leave in the picture of a scene.
+class CoarserPilot {
+  public:
+    /// Marches `rays` rays through `scene`, which must outlive this object.
+    CoarserPilot(const ViewScene& scene, int rays);
+    ~CoarserPilot();
+    /// The relative RMSE along these rays of `coarser`, the same scene with coarser fields: one standard deviation
+    /// above what they find.
+    double error(const ViewScene& coarser) const;
+
+  private:
+    struct Rays;
+    std::unique_ptr<const Rays> m_rays;
+};
 
 /// The mean optical depth of a voxel where light comes from that the camera sees, by `rays` rays; 0 where nothing is
 /// visible.

@@ -15,6 +15,7 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
@@ -254,18 +255,23 @@ PromisedDials dialsOf(const ViewScene& scene, double promised) {
 
 // A rough time of a render, seconds: footprints with their texels, and pixels with the sheets that they meet, a third
 // of which are not empty (see expectedSeconds; a plan of the finest fields may take longer than the render of coarser
-// ones).
+// ones). Each volume has sheets for its own voxels (plan/levels.h).
 double roughSeconds(const ViewScene& scene, const Dials& dials) {
-    constexpr double kFootprint = 2e-8, kTexel = 1.2e-9, kReach = 4, kPixelSheet = 1.5e-9;
-    const double unit = voxelUnit(scene);
-    double footprints = 0;
+    constexpr double kFootprint = 2e-8, kTexel = 1.2e-9, kReach = 4, kPixelSheet = 4.5e-9;
+    const double across = kReach / dials.texel, picture = double(scene.picture.pixelCount());
+    double seconds = 0;
     for (const ViewVolume& volume : scene.volumes) {
-        const double across =
-            kReach * std::cbrt(std::abs(glm::determinant(Mat3(volume.wsFromIs)))) / unit / dials.texel;
-        footprints += double(volume.field->activeVoxels) * (kFootprint + kTexel * across * across);
+        const Bounds ws = transformed(volume.wsFromIs, volume.field->isBounds());
+        if (ws.empty()) continue;
+        const double voxel = std::cbrt(std::abs(glm::determinant(Mat3(volume.wsFromIs))));
+        const double distance =
+            glm::distance(glm::clamp(scene.camera.wsPosition, ws.lower, ws.upper), scene.camera.wsPosition);
+        const double extent = glm::length(ws.size()) / std::numbers::sqrt3;
+        const double pixels = std::pow(extent / std::max(pixelAt(scene.camera, distance), 1e-300), 2);
+        seconds += double(volume.field->activeVoxels) * (kFootprint + kTexel * across * across) +
+                   std::min(pixels, picture) * extent / (dials.sheetThickness * voxel) * kPixelSheet;
     }
-    const double sheets = glm::length(wsBounds(scene).size()) / (dials.sheetThickness * unit);
-    return footprints + double(scene.picture.pixelCount()) * sheets * kPixelSheet;
+    return seconds;
 }
 
 std::uint64_t voxelsOf(const ViewScene& scene) {
@@ -277,18 +283,19 @@ std::uint64_t voxelsOf(const ViewScene& scene) {
 // Coarser fields where voxels are smaller than the promise needs: `scene` and `out` become those of the value of `lod`
 // with the least time. Fields and texels each take a part of the promise.
 void chooseCoarser(const std::function<ViewScene(double)>& atLod, ViewScene& scene, PromisedDials& out) {
-    constexpr double kFirst = 0.25, kStep = 1.18920712, kLast = 8, kMostOfPromise = 0.85, kClearly = 0.9;
-    constexpr int kCoarserRays = 384;
+    constexpr double kFirst = 0.25, kStep = 1.41421356, kLast = 8, kMostOfPromise = 0.85, kClearly = 0.9;
+    constexpr int kCoarserRays = 192;
     const double promised = out.promised;
     const ViewScene fine = scene;
     std::uint64_t voxels = voxelsOf(fine);
+    const CoarserPilot pilot(fine, kCoarserRays);
     double least = kClearly * roughSeconds(scene, out.dials);
     for (double exact = kFirst; exact <= kLast; exact *= kStep) {
         const double lod = std::round(100 * exact) / 100;  // easy to read and to type again
         ViewScene tried = atLod(lod);
         if (voxelsOf(tried) == voxels) continue;
         voxels = voxelsOf(tried);
-        const double error = coarserError(fine, tried, kCoarserRays);
+        const double error = pilot.error(tried);
         if (error > kMostOfPromise * promised) break;
         PromisedDials dials = dialsOf(tried, std::sqrt(promised * promised - error * error));
         const double seconds = roughSeconds(tried, dials.dials);

@@ -19,6 +19,43 @@ double voxelOf(const FieldPointer& field, const Int3& at) {
     return FieldSampler(*field, Kernel::linear).voxel(at);
 }
 
+FieldPointer withVoxelAt(const FieldPointer& field, const Int3& origin, float value) {
+    auto out = std::make_shared<SparseField>(*field);
+    std::vector<float> values(field->block(0), field->block(0) + field->blockCount() * kBlockVoxels);
+    values.resize(values.size() + kBlockVoxels, 0.0f);
+    values[values.size() - kBlockVoxels + std::size_t(blockOffset(3, 3, 3))] = value;
+    out->blockOrigins.push_back(origin);
+    const auto kept = std::make_shared<std::vector<float>>(std::move(values));
+    out->blockValues = {kept, kept->data()};
+    ++out->activeVoxels;
+    return out;
+}
+
+TEST(Strays, AreLeftOutWhereTheyAreFaintAndFar) {
+    const auto smoke = smokeField(16);
+    for (const Int3 far : {Int3(5000, 0, 0), Int3(8000, 16000, 8000000)}) {
+        const FieldPointer whole = withVoxelAt(smoke, far, 0.001f);
+        const FieldPointer rest = withoutStrays(whole, 1);
+        EXPECT_EQ(rest->isBounds(), smoke->isBounds());
+        EXPECT_EQ(rest->activeVoxels, smoke->activeVoxels);
+        EXPECT_EQ(voxelOf(rest, {2, 1, 3}), voxelOf(smoke, {2, 1, 3}));
+        EXPECT_NE(withoutStrays(whole, 2000), rest);
+        EXPECT_EQ(withoutStrays(whole, 2000), whole) << "an optical depth of 2 shows";
+    }
+    EXPECT_EQ(withoutStrays(smoke, 1), smoke);
+    // Next to the smoke it enlarges nothing.
+    const FieldPointer beside = withVoxelAt(smoke, {40, 0, 0}, 0.001f);
+    EXPECT_EQ(withoutStrays(beside, 1), beside);
+}
+
+// Each block is as faint, but together they take more than a little.
+TEST(Strays, AreKeptWhereTheyAreMany) {
+    FieldPointer fog = smokeField(16);
+    for (int i = 0; i < 60; ++i) fog = withVoxelAt(fog, Int3(5000 + 8 * i, 0, 0), 0.02f);
+    const FieldPointer rest = withoutStrays(fog, 1);
+    EXPECT_GT(rest->isBounds().upper.x, 5000);
+}
+
 TEST(ScatteringFields, AreDensityTimesAlbedoAtTheDensitysVoxels) {
     const auto density = makeField({-5, -5, -5}, {9, 9, 9}, 1, [](const Vec3& is) { return 1 + 0.1 * is.x; });
     std::array<FieldPointer, 3> albedo;

@@ -83,7 +83,7 @@ TEST(Checks, DialsAreHeldToTheirTable) {
                   dials([](Dials& d) { d.footprintSteps = 1 << 20; }));
     expectRefused("[render]: 'texel' is nan; expected a number from 0.05 to 64 (voxels)",
                   dials([](Dials& d) { d.texel = kNan; }));
-    expectRefused("[render]: 'lod' is inf; expected a number from 0 to 64 (pixels)",
+    expectRefused("[render]: 'lod' is inf; expected 'auto', or a number from 0 to 64 (pixels)",
                   dials([](Dials& d) { d.lod = kInfinity; }));
     expectRefused("[render]: 'shutter_samples' is 0; expected 'auto', or a whole number from 1 to 1024 (renders)",
                   dials([](Dials& d) { d.shutterSamples = 0; }));

@@ -80,17 +80,14 @@ TEST(Coarser, HasTheMeansOfEightVoxelsInSumAlsoAtNegativeIndices) {
         const SparseField fine = randomField(seed);
         const SparseField coarse = coarser(fine);
         const Voxels expected = bruteForce(fine), found = voxels(coarse);
-        ASSERT_EQ(found.size(), expected.size());
         double sum = 0, means = 0;
-        for (const auto& [p, v] : expected) {
-            const auto at = found.find(p);
-            ASSERT_NE(at, found.end());
-            EXPECT_GT(at->second, 0);
-            sum += at->second;
-            means += v;
+        for (const auto& [p, v] : expected) means += v;
+        for (const auto& [p, v] : found) {
+            EXPECT_TRUE(expected.contains(p));  // a voxel may give away all that it has, but none appears
+            sum += v;
         }
         // A dozen additions of floats below 4 for each voxel.
-        EXPECT_NEAR(sum, means, double(found.size()) * 12 * 4 * std::numeric_limits<float>::epsilon());
+        EXPECT_NEAR(sum, means, double(expected.size()) * 12 * 4 * std::numeric_limits<float>::epsilon());
         EXPECT_EQ(coarse.activeVoxels, found.size());
     }
 }

@@ -102,8 +102,10 @@ void Compositor::setRays(int tile, TileWalk& walk) const {
     walk.endMost = *std::max_element(walk.ends, walk.ends + kTileSize);
 }
 
-// Sets up the rays of a tile, and finds the planes whose active texels they may meet.
-Compositor::TileWalk Compositor::enter(int tile, const Range& range, const PlaneStack& planes) const {
+// Sets up the rays of a tile, and finds the planes whose active texels they may meet, or, on a shader's levels, those
+// of coarser ones.
+Compositor::TileWalk Compositor::enter(int tile, const Range& range, const PlaneStack& planes,
+                                       const SheetShader* shader) const {
     TileWalk walk;
     walk.block = blockBegin(range.sheet);
     walk.firstStep = range.sheet - walk.block - range.firstPlane;
@@ -119,13 +121,7 @@ Compositor::TileWalk Compositor::enter(int tile, const Range& range, const Plane
         const int step = p + walk.firstStep;
         auto texels = Box2<double>::nothing();
         for (const EyeView::Ray& ray : corners) texels.include(ray.u + step * ray.slopeU, ray.v + step * ray.slopeV);
-        if (texels.x1 < 0 || texels.y1 < 0 || texels.x0 >= planes.width() || texels.y0 >= planes.height()) continue;
-        const auto tileOf = [](double texel, int size) {
-            return static_cast<int>(std::clamp(std::floor(texel), 0.0, size - 1.0)) / kTileEdge;
-        };
-        if (planes.anyActive(p,
-                             {tileOf(texels.x0, planes.width()), tileOf(texels.y0, planes.height()),
-                              tileOf(texels.x1 + 1, planes.width()) + 1, tileOf(texels.y1 + 1, planes.height()) + 1}))
+        if (anyActiveNear(planes, p, texels) || (shader != nullptr && shader->anyCoarser(texels)))
             walk.planes[walk.planeCount++] = p;
     }
     if (walk.planeCount > 0) setRays(tile, walk);
@@ -174,7 +170,8 @@ void Compositor::holdOut(int tile, const TileWalk& walk, const Real* part, const
 
 // The pixels of a tile that receive nothing of the walk's block; null: back to front, all do.
 const std::uint8_t* Compositor::closedIn(int tile, const TileWalk& walk) {
-    return m_frontToBack ? m_tiles.closed(tile, walk.block / kBlock, m_cutoff) : nullptr;
+    const int block = walk.block / kBlock * kMostLevels + m_level;
+    return m_frontToBack ? m_tiles.closed(tile, block, m_cutoff) : nullptr;
 }
 
 RenderWork Compositor::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
@@ -371,6 +368,17 @@ RenderWork Compositor::throughPixels(int firstSheet, int count, const PlaneStack
             const Int2 cells(tile % m_tiles.tilesX() + lattice.guardTiles,
                              tile / m_tiles.tilesX() + lattice.guardTiles);
             return shadeAlong(enterCells(tile, range, covered, cells), tile, cells, shader);
+        });
+}
+
+RenderWork Compositor::throughLevel(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader,
+                                    const WalkingTiles& walking) {
+    return forOpenTiles(
+        firstSheet, count,
+        [&](const Range& range) { return walking.own == nullptr ? tilesThatSee(range, covered) : m_tiles.all(); },
+        [&](int tile, const Range& range) {
+            if (!walking.walks(tile)) return RenderWork{};
+            return shadeAlong(enter(tile, range, covered, &shader), tile, std::nullopt, shader);
         });
 }
 

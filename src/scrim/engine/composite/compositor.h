@@ -16,12 +16,29 @@
 
 namespace scrim {
 
+/// The tiles of the picture that walk the sheets of a level: those in `own` but not in `finer`, which walk finer ones.
+/// Null: all are in `own`, or none in `finer`.
+struct WalkingTiles {
+    const std::uint8_t* own = nullptr;
+    const std::uint8_t* finer = nullptr;
+
+    bool walks(int tile) const { return (own == nullptr || own[tile] != 0) && (finer == nullptr || finer[tile] == 0); }
+};
+
 class Compositor {
   public:
     /// `ends`: objects that hide parts of rays; null: none. `deep`: also records the samples of every ray; may be null.
+    /// `level`: of the sheets, below kMostLevels.
+    static constexpr int kMostLevels = 32;
     Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff, const EyeEnds* ends = nullptr,
-               DeepRays* deep = nullptr)
-        : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff), m_ends(ends), m_deep(deep) {}
+               DeepRays* deep = nullptr, int level = 0)
+        : m_eye(eye),
+          m_tiles(tiles),
+          m_frontToBack(frontToBack),
+          m_cutoff(cutoff),
+          m_ends(ends),
+          m_deep(deep),
+          m_level(level) {}
 
     /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p. This and the next function
     /// return the pixel and sheet pairs, and the work of shading on the way.
@@ -32,6 +49,10 @@ class Compositor {
     RenderWork throughPixels(int firstSheet, int count, const PlaneStack& covered, const Lattice& lattice,
                              const SheetShader& shader);
 
+    /// The same for the sheets of a level, which the tiles `walking` walk.
+    RenderWork throughLevel(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader,
+                            const WalkingTiles& walking);
+
     /// True if all pixels are opaque; only possible front to back.
     bool allOpaque() const;
 
@@ -39,7 +60,7 @@ class Compositor {
     struct TileWalk;
     struct Range;
     void holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const;
-    TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
+    TileWalk enter(int tile, const Range& range, const PlaneStack& planes, const SheetShader* shader = nullptr) const;
     RenderWork compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
     void keepDeep(int tile, const TileWalk& walk, const SheetList& sheets);
     const std::uint8_t* closedIn(int tile, const TileWalk& walk);
@@ -58,6 +79,7 @@ class Compositor {
     Real m_cutoff;
     const EyeEnds* m_ends;
     DeepRays* m_deep;
+    int m_level;
 };
 
 }  // namespace scrim

@@ -62,6 +62,8 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
             else
                 caster.shadows[std::size_t(i)] =
                     std::make_unique<ViewShadow>(light.lattice, group.sheets, filter, group.batchSheets, plan.simd);
+        for (const int i : caster.channels)
+            if (!group.volumes.empty()) caster.shadows[std::size_t(i)]->lookUpAnywhere();
     }
 }
 
@@ -76,6 +78,7 @@ void LightSweep::enterBatch(int firstSheet, int count) {
                 const Caster& caster = m_casters[i];
                 here.lights.push_back(*light);
                 here.lights.back().channels = caster.channels;
+                here.numbers.push_back(i);
                 for (int c = 0; c < m_channels; ++c)
                     here.shadows.push_back(caster.shadows.empty() ? nullptr : caster.shadows[c].get());
                 if (m_passSolids) here.solids.push_back(caster.solids ? &*caster.solids : nullptr);
@@ -121,6 +124,11 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
                 [&](std::size_t i) { shadowed[i / sheets].shadow->prefilter(static_cast<int>(i % sheets)); });
     for (const Task& task : tasks) work.lightSamples += task.samples;
     return work;
+}
+
+const Shadow* LightSweep::shadow(std::size_t light, int channel) const {
+    const Caster& caster = m_casters[light];
+    return caster.shadows.empty() ? nullptr : caster.shadows[std::size_t(channel)].get();
 }
 
 std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {

@@ -31,6 +31,7 @@ class LightSweep {
         int sheet = 0;
         std::vector<SheetLight> lights;
         std::vector<const Shadow*> shadows;
+        std::vector<std::size_t> numbers;        ///< of the lights in the group
         std::vector<const SolidShadow*> solids;  ///< one for each light, or nullptr; empty if the scene has no solids
     };
     /// True if solids cast shadows.
@@ -41,6 +42,8 @@ class LightSweep {
     /// `surfaces`, and `extinction` is what the samples see of it; where they see none, tau is not looked up.
     void lookUpEnds(int p, std::size_t light, const SampleTile& samples, const std::vector<const Surface*>& surfaces,
                     const Real* extinction, Real* first, Real* last) const;
+    /// The shadow buffer of one of the group's lights for one extinction channel; null: it has none.
+    const Shadow* shadow(std::size_t light, int channel) const;
     std::size_t bytes() const;
     /// Number of rays traced to solids.
     std::uint64_t solidRays() const;

@@ -108,6 +108,7 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
 
     const std::size_t tilesPerSheet = m_window.pixelCount();
     m_used.assign(tilesPerSheet * std::size_t(count), 0);
+    m_met.resize(std::size_t(rasterX) * std::size_t(rasterY));
     for (int s = 0; s < count; ++s) {
         if (!m_view.reaches(firstSheet + s)) continue;
         for (int ty = 0; ty < tilesY; ++ty)
@@ -116,7 +117,8 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
                 for (int y = rows(s)[ty].first; y <= rows(s)[ty].last; ++y)
                     for (int x = columns(s)[tx].first; x <= columns(s)[tx].last; ++x)
                         m_used[std::size_t(s) * tilesPerSheet +
-                               std::size_t((y - m_window.y0) * m_window.width() + x - m_window.x0)] = 1;
+                               std::size_t((y - m_window.y0) * m_window.width() + x - m_window.x0)] =
+                            m_met[std::size_t(y) * std::size_t(rasterX) + std::size_t(x)] = 1;
             }
     }
 }
@@ -242,13 +244,97 @@ void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, Real* tau) const {
 }
 
 void ShadowBuffer::lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const {
-    if (!lit(s)) {
+    if (m_anywhere ? !m_view.reaches(m_firstSheet + s) : !lit(s)) {
         std::fill(tau, tau + count, Real(0));
         return;
     }
     const LightView::Cells map = m_view.at(m_firstSheet + s);
+    if (m_anywhere) return lookUpPatch(s, map, u, v, count, tau);
     samplePoints(entryPlane(s), u, v, m_nearest, count, tau, static_cast<Real>(1 / map.scale),
                  static_cast<Real>(-map.offsetU / map.scale), static_cast<Real>(-map.offsetV / map.scale));
+}
+
+void ShadowBuffer::lookUpNow(double plane, const Real* u, const Real* v, int count, Real* tau) const {
+    if (!m_view.distant && plane <= m_view.tsSource.z) {
+        std::fill(tau, tau + count, Real(0));
+        return;
+    }
+    const LightView::Cells map = m_view.atPlane(plane);
+    samplePoints({m_tau.data(), m_view.width, m_view.height, 0, 0, m_simd}, u, v, m_nearest, count, tau,
+                 static_cast<Real>(1 / map.scale), static_cast<Real>(-map.offsetU / map.scale),
+                 static_cast<Real>(-map.offsetV / map.scale));
+}
+
+void ShadowBuffer::lookUpWithin(double plane, Real part, const Real* u, const Real* v, int count, Real* tau) const {
+    lookUpNow(plane, u, v, count, tau);
+    if (!m_view.distant && plane <= m_view.tsSource.z) return;
+    alignas(64) Real entry[kTileSize];
+    lookUpPatch(0, m_view.atPlane(plane), u, v, count, entry);
+    for (int k = 0; k < count; ++k) tau[k] = entry[k] + part * (tau[k] - entry[k]);
+}
+
+// Tau at entry into sheet s of the batch, also in tiles that take no part in the sheet: it is that at entry into the
+// next sheet in which the tile takes part, or behind the batch. The few tiles that are looked up are put together.
+void ShadowBuffer::lookUpPatch(int s, const LightView::Cells& map, const Real* u, const Real* v, int count,
+                               Real* tau) const {
+    const auto perCell = static_cast<Real>(1 / map.scale), firstU = static_cast<Real>(-map.offsetU / map.scale),
+               firstV = static_cast<Real>(-map.offsetV / map.scale);
+    const auto [leastU, mostU] = std::minmax_element(u, u + count);
+    const auto [leastV, mostV] = std::minmax_element(v, v + count);
+    const auto tileOf = [](Real cell, int size) {
+        return static_cast<int>(std::clamp(std::floor(cell), Real(-1), static_cast<Real>(size))) >> 4;
+    };
+    const int rasterX = m_view.width / kTileEdge, rasterY = m_view.height / kTileEdge;
+    const Box2<int> box = intersection<int>(
+        {tileOf(*leastU * perCell + firstU - 1, m_view.width), tileOf(*leastV * perCell + firstV - 1, m_view.height),
+         tileOf(*mostU * perCell + firstU + 1, m_view.width) + 1,
+         tileOf(*mostV * perCell + firstV + 1, m_view.height) + 1},
+        {0, 0, rasterX, rasterY});
+    std::fill(tau, tau + count, Real(0));
+    if (box.empty()) return;
+    thread_local std::vector<Real> patch;
+    const int width = box.width() * kTileEdge;
+    patch.resize(std::size_t(width) * std::size_t(box.height() * kTileEdge));
+    for (int ty = box.y0; ty < box.y1; ++ty)
+        for (int tx = box.x0; tx < box.x1; ++tx) {
+            int from = m_count;
+            if (m_window.contains(tx, ty)) {
+                const auto at = std::size_t((ty - m_window.y0) * m_window.width() + tx - m_window.x0);
+                for (from = s; from < m_count && usedIn(from)[at] == 0;) ++from;
+            }
+            const Real* source = m_tau.data() + std::ptrdiff_t(ty * kTileEdge) * m_view.width + tx * kTileEdge;
+            std::ptrdiff_t stride = m_view.width;
+            if (from < m_count) {
+                stride = windowWidth();
+                source = m_entry.data() + std::size_t(from) * entryStride() +
+                         std::ptrdiff_t((ty - m_window.y0) * kTileEdge) * stride + (tx - m_window.x0) * kTileEdge;
+            }
+            Real* to = patch.data() + std::ptrdiff_t((ty - box.y0) * kTileEdge) * width + (tx - box.x0) * kTileEdge;
+            for (int y = 0; y < kTileEdge; ++y, source += stride, to += width) std::copy_n(source, kTileEdge, to);
+        }
+    samplePoints({patch.data(), width, box.height() * kTileEdge, box.x0 * kTileEdge, box.y0 * kTileEdge, m_simd}, u, v,
+                 m_nearest, count, tau, perCell, firstU, firstV);
+}
+
+Box2<double> ShadowBuffer::cellsOf(const Box2<double>& texels, double plane) const {
+    if (!m_view.distant && plane <= m_view.tsSource.z) return {};
+    const LightView::Cells map = m_view.atPlane(plane);
+    return {(texels.x0 - map.offsetU) / map.scale, (texels.y0 - map.offsetV) / map.scale,
+            (texels.x1 - map.offsetU) / map.scale, (texels.y1 - map.offsetV) / map.scale};
+}
+
+bool ShadowBuffer::anyMet(const Box2<double>& cells) const {
+    if (m_met.empty() || cells.x1 < cells.x0) return false;
+    const int tilesX = m_view.width / kTileEdge, tilesY = m_view.height / kTileEdge;
+    const auto tile = [](double cell, int tiles) {
+        return static_cast<int>(std::clamp(std::floor(cell / kTileEdge), -1.0, double(tiles)));
+    };
+    const int x0 = std::max(tile(cells.x0 - 1, tilesX), 0), x1 = std::min(tile(cells.x1 + 1, tilesX), tilesX - 1);
+    const int y0 = std::max(tile(cells.y0 - 1, tilesY), 0), y1 = std::min(tile(cells.y1 + 1, tilesY), tilesY - 1);
+    for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x)
+            if (m_met[std::size_t(y) * std::size_t(tilesX) + std::size_t(x)] != 0) return true;
+    return false;
 }
 
 void ShadowBuffer::lookUpBefore(int s, int back, const Real* u, const Real* v, int count, Real* tau,
@@ -277,7 +363,7 @@ void ShadowBuffer::lookUpBefore(int s, int back, const Real* u, const Real* v, i
 std::size_t ShadowBuffer::bytes() const {
     std::size_t floats = m_tau.size() + m_entry.size();
     for (const std::vector<Real>& entry : m_beforeEntry) floats += entry.size();
-    return floats * sizeof(Real) + m_used.size();
+    return floats * sizeof(Real) + m_used.size() + m_met.size();
 }
 
 std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets, bool looksBefore) {

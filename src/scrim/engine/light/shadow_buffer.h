@@ -51,6 +51,21 @@ class Shadow {
                               std::uint8_t* known) const {
         std::fill_n(known, count, std::uint8_t{0});
     }
+    /// Makes look-ups valid where a sheet has no extinction, too: other levels may have some there.
+    virtual void lookUpAnywhere() {}
+    /// Tau behind all sheets so far, on the light's rays that pass `count` positions on the plane N = `plane`, wherever
+    /// that is.
+    virtual void lookUpNow(double /*plane*/, const Real* /*u*/, const Real* /*v*/, int count, Real* tau) const {
+        std::fill_n(tau, count, Real(0));
+    }
+    /// The same within the only sheet of the batch, of whose tau the fraction `part` is counted.
+    virtual void lookUpWithin(double plane, Real /*part*/, const Real* u, const Real* v, int count, Real* tau) const {
+        lookUpNow(plane, u, v, count, tau);
+    }
+    /// The cells of the light's rays through a box of texels on the plane N = `plane`; and whether any cell there, or
+    /// next to it, has met active tiles so far.
+    virtual Box2<double> cellsOf(const Box2<double>& texels, double /*plane*/) const { return texels; }
+    virtual bool anyMet(const Box2<double>& /*cells*/) const { return false; }
     virtual std::size_t bytes() const = 0;
 };
 
@@ -84,11 +99,18 @@ class ShadowBuffer final : public Shadow {
     void lookUpBefore(int s, int back, const Real* u, const Real* v, int count, Real* tau,
                       std::uint8_t* known) const override;
 
+    void lookUpAnywhere() override { m_anywhere = true; }
+    void lookUpNow(double plane, const Real* u, const Real* v, int count, Real* tau) const override;
+    void lookUpWithin(double plane, Real part, const Real* u, const Real* v, int count, Real* tau) const override;
+    Box2<double> cellsOf(const Box2<double>& texels, double plane) const override;
+    bool anyMet(const Box2<double>& cells) const override;
+
     std::size_t bytes() const override;
     /// Upper bound on the bytes of a buffer.
     static std::size_t bytes(const LightView& view, const Sheets& sheets, int batchSheets, bool looksBefore = false);
 
   private:
+    void lookUpPatch(int s, const LightView::Cells& map, const Real* u, const Real* v, int count, Real* tau) const;
     void leaveTheSource(double part, const FloatPlane& extinction);
     void keepLast();
     FloatPlane planeOf(const Real* entry, const Box2<int>& window) const;
@@ -102,6 +124,8 @@ class ShadowBuffer final : public Shadow {
     bool m_nearest;
     Real m_prefiltering;      // factor on the second differences
     ZeroedArray<Real> m_tau;  // the whole raster: tau at entry of the next batch
+    bool m_anywhere = false;
+    std::vector<std::uint8_t> m_met;  // for each tile of the raster, whether it took part in any batch
 
     // The batch: a window of tiles of the raster, its entry planes, and which tiles take part in which sheet.
     int m_firstSheet = 0, m_count = 0;

@@ -128,6 +128,7 @@ struct CellLightPlan {
     std::vector<int> lights;    ///< indices into ViewScene::lights
     std::vector<double> edges;  ///< for each of them the edge of its cells, world units
     std::size_t bytes = 0;      ///< approximately
+    double coarser = 1;         ///< how much larger cells are than they should be, for want of memory
     std::string lamp;           ///< name of the first of them that shines from one point
     std::string unfit;          ///< the reason why no light can be kept on cells; empty: there is none
 
@@ -184,8 +185,9 @@ struct LightView {
     double litPart(int n) const { return distant ? 1.0 : std::clamp(n + 1 - tsSource.z, 0.0, 1.0); }
 
     /// The map at the middle plane of sheet n, which the light must reach.
-    Cells at(int n) const {
-        const double middle = n + 0.5;
+    Cells at(int n) const { return atPlane(n + 0.5); }
+    /// The map on the plane N = `middle`.
+    Cells atPlane(double middle) const {
         if (distant) return {first.x + tsSource.x * middle, first.y + tsSource.y * middle, cell};
         const double z = middle - tsSource.z;
         return {tsSource.x + first.x * z, tsSource.y + first.y * z, cell * z};
@@ -246,6 +248,20 @@ struct GroupPlan {
     NeededTiles needed;     ///< tiles of the sheets that are needed
     Lattice lattice;        ///< lattice of the sheets that the eye looks at: the shared one, or its own
     std::size_t bytes = 0;  ///< upper bound on all buffers of this group's sweep
+
+    /// Volumes of much smaller voxels than others have sheets of their own. `volumes`: which of ViewScene::volumes are
+    /// in these sheets; empty: all. `finer`: further levels of the same lights, each with the sheets of smaller voxels,
+    /// coarsest first. A sheet of one level consists of a whole number of sheets of the next. What eye and lights pass
+    /// is the sum of all levels.
+    std::vector<bool> volumes = {};
+    std::vector<GroupPlan> finer;
+
+    /// Calls visit(level) for this level and all finer ones.
+    template <class Visit>
+    void forLevels(const Visit& visit) const {
+        visit(*this);
+        for (const GroupPlan& level : finer) visit(level);
+    }
 };
 
 /// `window` of the picture in pixels of the antialiasing raster, with n x n for each pixel.

@@ -176,6 +176,11 @@ Effect lightsOnCells(const ViewScene& scene, const Plan& plan) {
     Effect effect = found.effect("lights on cells", "", "shadow buffers serve every light");
     if (lamps > 0 && lampsShareCells(scene))
         effect.reason += fmt::format("; {} lamps share cells, and have their own only near them", lamps);
+    if (plan.cellLights.coarser > 1)
+        effect.reason += fmt::format(
+            "; cells are {:.2g} times as large as small voxels among large volumes need, and "
+            "blur the shadows of these",
+            plan.cellLights.coarser);
     if (effect.on) effect.reason += setsText(scene, plan.cellLights) + "; about " + bytesText(plan.cellLights.bytes);
     return effect;
 }

@@ -7,6 +7,7 @@
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/scene/slide_map.h>
 #include <scrim/engine/plan/culling.h>
+#include <scrim/engine/plan/levels.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/plan/sheet_stack.h>
 #include <scrim/engine/plan/transport_plan.h>
@@ -29,7 +30,8 @@ constexpr int kLeastBatch = 16;
 
 std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan& group, int batch) {
     const Sheets& s = group.sheets;
-    std::size_t bytes = ExtinctionSum::bytes(scene, plan, s, group.lattice, batch, ExtinctionSum::eyeOf(group));
+    std::size_t bytes =
+        ExtinctionSum::bytes(scene, plan, s, group.lattice, batch, ExtinctionSum::eyeOf(group), group.volumes);
     if (!plan.shadeAtPixels) bytes += PlaneStack::bytes(batch, s.width, s.height, group.outputs.layout.floats());
     for (const PlannedLight& light : group.lights) {
         if (!light.shadowed) continue;
@@ -52,6 +54,10 @@ void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, co
     group.batchSheets = wanted;
     while (group.batchSheets > 1 && bytesFor(group.batchSheets) > budget) --group.batchSheets;
     group.bytes = bytesFor(group.batchSheets);
+    for (GroupPlan& level : group.finer) {
+        chooseBatch(scene, threads, frameBytes, plan, level);
+        group.bytes += level.bytes;
+    }
     if (scene.memoryLimit != 0 && group.bytes + frameBytes > scene.memoryLimit)
         throw Error(ErrorKind::memory,
                     fmt::format("one sheet at a time needs {} of buffers and {} for the picture, more than the {} that "
@@ -67,7 +73,7 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
         for (const ViewEmission& e : volume.emission) voxels += static_cast<double>(e.field.field->activeVoxels);
     }
     const double pixels = double(plan.region.width()) * plan.region.height();
-    for (const GroupPlan& group : plan.groups) {
+    const auto add = [&](const GroupPlan& group) {
         const double share = group.needed.share(group.sheets);
         const double texels = share * group.sheets.width * group.sheets.height * group.sheets.count;
         // A voxel reaches all sheets within its kernel's extent: about one sheet more than its width.
@@ -78,7 +84,8 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
         for (const PlannedLight& light : group.lights)
             if (light.shadowed)
                 lightSamples += plan.extinction.count() * texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
-    }
+    };
+    for (const GroupPlan& group : plan.groups) group.forLevels(add);
     const auto counted = [](double count) { return static_cast<std::uint64_t>(std::min(count, 1e18)); };
     plan.work.footprints = counted(footprints);
     plan.work.texelsShaded = counted(allTexels);
@@ -123,7 +130,8 @@ void planDeep(const ViewScene& scene, Plan& plan) {
 // Checks the memory of the plan itself, which is small unless there are very many sheets.
 void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
     std::size_t count = std::size_t(sheets);
-    for (const GroupPlan& group : plan.groups) count += group.needed.sheets.size();
+    for (const GroupPlan& group : plan.groups)
+        group.forLevels([&](const GroupPlan& level) { count += level.needed.sheets.size(); });
     const std::size_t bytes = count * sizeof(Box2<int>);
     if (scene.memoryLimit != 0 && bytes > scene.memoryLimit)
         throw Error(ErrorKind::memory,
@@ -131,20 +139,40 @@ void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
                                 bytesText(bytes), bytesText(scene.memoryLimit)));
 }
 
-// Plans a group of lights that share an axis: the places of its sheets and rasters.
-GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, const Plan& plan, const EyePart& part,
-                    GroupPlan g, const Checkpoint& checkpoint) {
-    g.eyePart = plan.eyeParts.size();
-    g.sheets = sheetsAround(scene, corners, g.wsAxis, g.slant, plan.voxel);
+// Plans the sheets and rasters of a group, or of one level of it, whose volumes have the corners `own`.
+void planSheets(const ViewScene& scene, const std::vector<Vec3>& own, const Plan& plan, const EyePart& part,
+                const Checkpoint& checkpoint, GroupPlan& g) {
     for (PlannedLight& light : g.lights) {
         checkpoint();
-        light = planLight(scene, corners, g.sheets, g.slant, std::move(light));
+        light = planLight(scene, own, g.sheets, g.slant, std::move(light));
     }
-    g.outputs = outputsOf(scene, plan, g);
     checkPlanFits(scene, plan, g.sheets.count);
     g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
     g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
-    return g;
+}
+
+// Plans a group of lights that share an axis: the places of its sheets and rasters, on each of the scene's levels.
+GroupPlan planGroup(const ViewScene& scene, const std::vector<VolumeLevel>& levels, const Plan& plan,
+                    const EyePart& part, GroupPlan g, const Checkpoint& checkpoint) {
+    const std::vector<Vec3> corners = wsCorners(scene);
+    g.eyePart = plan.eyeParts.size();
+    g.outputs = outputsOf(scene, plan, g);
+    GroupPlan out;
+    for (const VolumeLevel& level : levels) {
+        GroupPlan one = g;
+        const std::vector<Vec3> own = levels.size() > 1 ? wsCorners(scene, level) : corners;
+        one.sheets = sheetsAround(scene, corners, g.wsAxis, g.slant, level.voxel);
+        if (levels.size() > 1) {
+            one.sheets = narrowed(one.sheets, own);
+            one.volumes = level.volumes;
+        }
+        planSheets(scene, own, plan, part, checkpoint, one);
+        if (&level == &levels.front())
+            out = std::move(one);
+        else
+            out.finer.push_back(std::move(one));
+    }
+    return out;
 }
 
 // Splits groups that exceed the memory limit even with one sheet at a time, because of the shadow buffers of all their
@@ -161,7 +189,7 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
         while (!open.empty()) {
             GroupPlan one = std::move(open.back());
             open.pop_back();
-            if (one.lights.size() < 2 || fits(one)) {
+            if (one.lights.size() < 2 || !one.finer.empty() || fits(one)) {
                 passes.push_back(std::move(one));
                 continue;
             }
@@ -252,6 +280,7 @@ std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& pl
                                           const std::vector<std::string>& culled) {
     if (plan.groups.empty()) return {false, ""};
     if (plan.perView) return {true, "per-view splatting always shades at pixels"};
+    if (!plan.groups.front().finer.empty()) return {true, "volumes of unlike voxels have sheets of their own"};
     if (scene.dials.shade != ShadeMode::automatic) return {scene.dials.shade == ShadeMode::pixel, "the scene sets it"};
     if (const std::string need = needOfPixels(scene, plan, culled); !need.empty()) return {true, need};
 
@@ -356,7 +385,7 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     Plan plan;
     plan.threads = threads;
     plan.simd = Simd(given.dials.simd);
-    plan.voxel = voxelUnit(given);
+    plan.voxel = dialUnit(given);
     plan.region = supersampled(given.region, given.dials.antialias);
     plan.perView = given.dials.splat == SplatMode::perView;
     const std::vector<Vec3> corners = wsCorners(given);
@@ -378,11 +407,12 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     nameLightsOnCells(given, plan.cellLights, served, plan.culledLights);
     plan.caps = capsOf(scene, plan.subLights, culled);
 
+    const std::vector<VolumeLevel> levels = volumeLevels(scene);
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);
         if (part.window.empty()) continue;
         for (GroupPlan& group : groupLights(scene, corners, part, culled, checkpoint))
-            plan.groups.push_back(planGroup(scene, corners, plan, part, std::move(group), checkpoint));
+            plan.groups.push_back(planGroup(scene, levels, plan, part, std::move(group), checkpoint));
         plan.eyeParts.push_back(std::move(part));
     }
     std::tie(plan.shadeAtPixels, plan.shadeReason) = shadingPlace(scene, plan, culled);

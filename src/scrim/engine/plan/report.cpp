@@ -46,9 +46,26 @@ Json lightJson(const ViewScene& scene, const Plan& plan, const PlannedLight& lig
     return out;
 }
 
+// The names of the volumes of a level.
+std::vector<std::string> namesOf(const ViewScene& scene, const std::vector<bool>& volumes) {
+    std::vector<std::string> names;
+    for (std::size_t v = 0; v < volumes.size(); ++v)
+        if (volumes[v]) names.push_back(scene.volumes[v].name);
+    return names;
+}
+
 Json groupJson(const ViewScene& scene, const Plan& plan, const GroupPlan& group) {
     Json lights = Json::array();
     for (const PlannedLight& light : group.lights) lights.push_back(lightJson(scene, plan, light));
+    Json levels = Json::array();
+    if (!group.finer.empty())
+        group.forLevels([&](const GroupPlan& level) {
+            levels.push_back({{"volumes", namesOf(scene, level.volumes)},
+                              {"sheets", level.sheets.count},
+                              {"sheet_thickness", level.sheets.thickness},
+                              {"raster", {level.sheets.width, level.sheets.height}},
+                              {"texel", level.sheets.texel}});
+        });
     return {{"primary", group.primary > 0},
             {"eye_part", group.eyePart},
             {"axis", vector(axisOf(group))},
@@ -63,7 +80,8 @@ Json groupJson(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
             {"texel", group.sheets.texel},
             {"batch_sheets", group.batchSheets},
             {"bytes", group.bytes},
-            {"lights", lights}};
+            {"lights", lights},
+            {"levels", levels}};
 }
 
 /// The [render] block that renders as this plan does. What stays "auto" depends on the frame or the machine.
@@ -108,10 +126,13 @@ std::string groupLines(const ViewScene& scene, const Plan& plan, const GroupPlan
     std::string text = fmt::format("group {}{}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n",
                                    number, group.primary > 0 ? " (primary: alpha and ambient)" : "", passText(group),
                                    axis.x, axis.y, axis.z, group.sameSide ? "+1" : "-1", glm::degrees(group.slant));
-    text += fmt::format("  sheets   {} x {:.6g}, {} a batch\n", group.sheets.count, group.sheets.thickness,
-                        group.batchSheets);
-    text += fmt::format("  raster   {} x {} texels of {:.6g}\n", group.sheets.width, group.sheets.height,
-                        group.sheets.texel);
+    group.forLevels([&](const GroupPlan& level) {
+        const std::string whose = level.volumes.empty() ? "" : placesText(namesOf(scene, level.volumes));
+        text += fmt::format("  sheets   {} x {:.6g}, {} a batch{}\n", level.sheets.count, level.sheets.thickness,
+                            level.batchSheets, whose);
+        text += fmt::format("  raster   {} x {} texels of {:.6g}\n", level.sheets.width, level.sheets.height,
+                            level.sheets.texel);
+    });
     text += fmt::format("  memory   {}\n", bytesText(group.bytes));
     // The first few of many sub-lights show what the others are like.
     constexpr std::size_t kMostLines = 24;

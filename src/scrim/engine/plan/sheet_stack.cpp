@@ -136,14 +136,22 @@ Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, co
 
     Bounds ts;  // with the origin at the anchor
     for (const Vec3& corner : corners) ts.include(sheets.tsPoint(corner));
+    const double front = std::floor(ts.lower.z);
+    sheets.ssOrigin = Vec3(0, 0, front * sheets.thickness);
+    sheets.count = std::max(1, addressable(ts.upper.z - front, "sheets"));
+    return narrowed(sheets, corners);
+}
+
+Sheets narrowed(Sheets sheets, const std::vector<Vec3>& corners) {
+    sheets.ssOrigin = Vec3(0, 0, sheets.ssOrigin.z);
+    Bounds ts;
+    for (const Vec3& corner : corners) ts.include(sheets.tsPoint(corner));
     // There is a margin of two texels of zeros, so that bilinear look-ups outside of the raster find nothing, and
     // behind it room for the rounded-up rows of footprints.
     const double left = std::floor(ts.lower.x) - 2, top = std::floor(ts.lower.y) - 2;
-    const double front = std::floor(ts.lower.z);
-    sheets.ssOrigin = Vec3(left * sheets.texel, top * sheets.texel, front * sheets.thickness);
+    sheets.ssOrigin = Vec3(left * sheets.texel, top * sheets.texel, sheets.ssOrigin.z);
     sheets.width = roundUpToTile(addressable(ts.upper.x - left + 8, "texels along the side of a sheet"));
     sheets.height = roundUpToTile(addressable(ts.upper.y - top + 8, "texels along the side of a sheet"));
-    sheets.count = std::max(1, addressable(ts.upper.z - front, "sheets"));
     return sheets;
 }
 

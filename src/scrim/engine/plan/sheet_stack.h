@@ -22,6 +22,9 @@ std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& w
 Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const Vec3& wsAxis, double slant,
                     double voxel);
 
+/// The part of a stack of sheets, with all of its sheets, whose texels lie around `wsCorners`.
+Sheets narrowed(Sheets sheets, const std::vector<Vec3>& wsCorners);
+
 /// Completes a light of a group by its view onto `sheets`. Where cells are largest they have the size that the dial
 /// `shadow_texel` states, and there are as many as the rays that meet the volume need. With per-view splatting the
 /// light also gets its own sheets: perpendicular to the light, or parallel to the image plane, as the dial

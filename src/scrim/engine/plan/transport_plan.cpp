@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/plan/transport_plan.h>
 
+#include <scrim/engine/plan/levels.h>
+
 #include <scrim/base/error.h>
 #include <scrim/scene/picture_cells.h>
 #include <scrim/engine/plan/culling.h>
@@ -247,26 +249,12 @@ void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, const
     }
 }
 
-CellLightPlan planCellLights(const ViewScene& scene) {
-    CellLightPlan plan;
-    plan.unfit = unfitForCells(scene);
-    if (!plan.unfit.empty()) return plan;
-    const std::vector<Vec3> corners = wsCorners(scene);
-    const Bounds box = wsBounds(scene);
-    std::vector<bool> inView;  // empty until it is needed, because it takes time where there are many lights
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-        const Light& light = scene.lights[i];
-        if (!fitsCells(scene, light, corners)) continue;
-        if (inView.empty()) inView = lightsInView(scene);
-        if (!inView[i]) continue;
-        plan.lights.push_back(static_cast<int>(i));
-        if (plan.lamp.empty() && isLampOnCells(scene, light)) plan.lamp = light.name;
-        plan.edges.push_back(lightCell(scene, light, box.size()) * voxelUnit(scene));
-        least = std::min(least, plan.edges.back());
-    }
-    if (plan.lights.empty()) return plan;
-    const Vec3 cells = box.size() / least + 2.0 * kCellEdge;
+namespace {
+
+// Memory of the cells of the plan's lights.
+double cellBytes(const ViewScene& scene, const CellLightPlan& plan) {
+    const double least = *std::min_element(plan.edges.begin(), plan.edges.end());
+    const Vec3 cells = wsBounds(scene).size() / least + 2.0 * kCellEdge;
     const double colours = oneColour(scene) ? 1 : 3;
     // Lights share fields unless layers, or the volumes that cast shadows in them, part them; lamps also have fields of
     // their own, and where solids block them another one.
@@ -290,10 +278,45 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     // Slices keep the used part of each row of the box, and where it begins.
     const double rows = std::max({cells.x * cells.y, cells.y * cells.z, cells.z * cells.x}), kept = 20 * rows;
     const double slices = std::min(cells.x * cells.y * cells.z, stored) * (1 + colours) + kept;
-    const double bytes = sizeof(Real) * (slices + stored * (fields + media) + (shared ? 2 * colours * near : 0));
+    return sizeof(Real) * (slices + stored * (fields + media) + (shared ? 2 * colours * near : 0));
+}
+
+}  // namespace
+
+CellLightPlan planCellLights(const ViewScene& scene) {
+    CellLightPlan plan;
+    plan.unfit = unfitForCells(scene);
+    if (!plan.unfit.empty()) return plan;
+    const std::vector<Vec3> corners = wsCorners(scene);
+    const Bounds box = wsBounds(scene);
+    std::vector<bool> inView;  // empty until it is needed, because it takes time where there are many lights
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
+        if (!fitsCells(scene, light, corners)) continue;
+        if (inView.empty()) inView = lightsInView(scene);
+        if (!inView[i]) continue;
+        plan.lights.push_back(static_cast<int>(i));
+        if (plan.lamp.empty() && isLampOnCells(scene, light)) plan.lamp = light.name;
+        plan.edges.push_back(lightCell(scene, light, box.size()) * voxelUnit(scene));
+    }
+    if (plan.lights.empty()) return plan;
+    constexpr double kMostBytes = 4e9, kStep = 1.25992105, kMostCoarser = 8;
+    const double most = scene.memoryLimit > 0 ? 0.5 * double(scene.memoryLimit) : kMostBytes;
+    double bytes = cellBytes(scene, plan);
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
-    constexpr double kMostBytes = 4e9;
-    if (bytes <= (scene.memoryLimit > 0 ? 0.5 * double(scene.memoryLimit) : kMostBytes)) return plan;
+    // Small voxels in a large scene ask for cells that no memory holds. Larger ones blur the shadows of what is small;
+    // hundreds of shadow buffers would take hours.
+    constexpr double kLess = 0.25;  // of the memory, since much of it takes time, too
+    while (bytes > (plan.coarser > 1 ? kLess : 1) * most && plan.coarser < kMostCoarser && !scene.dials.lightCell &&
+           volumeLevels(scene).size() > 1) {
+        plan.coarser *= kStep;
+        for (double& edge : plan.edges) edge *= kStep;
+        bytes = cellBytes(scene, plan);
+    }
+    if (bytes <= most) {
+        plan.bytes = static_cast<std::size_t>(bytes);
+        return plan;
+    }
     CellLightPlan none;
     none.unfit = fmt::format("the cells of all volumes would take {}", bytesText(plan.bytes));
     return none;

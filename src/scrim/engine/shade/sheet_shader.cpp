@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -47,6 +48,7 @@ struct SheetShader::Rows {
     std::vector<Row> tauOut;     // by light; only if surfaces are alone (see surfacesAlone)
     std::vector<Row> unblocked;  // by light; only if solids cast shadows
     std::vector<Row> onCells;    // of each part of the light on cells, three colours each
+    std::vector<Row> coarser;    // positions on the sheet of a coarser level: u and v
     std::vector<Row> outputs;    // three colours for each output beside the beauty
     std::vector<ClassifiedTile> classified;
     std::vector<SheetMedium> media;
@@ -67,7 +69,8 @@ SheetShader::Rows& SheetShader::rowsFor(std::size_t lights) const {
     grow(rows.scatter, 3 * m_media.size());
     grow(rows.flow, m_motion ? 3 * m_media.size() : 0);
     grow(rows.motion, m_motion ? 2 : 0);
-    grow(rows.emission, m_extinction.emissions().size());
+    grow(rows.emission, m_emissions.size());
+    grow(rows.coarser, 2);
     // There is always a first row, even if all lights are on cells.
     grow(rows.tauIn, std::max<std::size_t>(lights * channels, 1));
     grow(rows.tauOut, surfacesAlone() ? rows.tauIn.size() : 0);
@@ -79,43 +82,56 @@ SheetShader::Rows& SheetShader::rowsFor(std::size_t lights) const {
     return rows;
 }
 
-SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
-                         const ExtinctionSum& extinction, const LightSweep& lights, const EyeView& eye,
-                         const std::vector<CellLight>& cellLight)
-    : m_plan(plan), m_group(group), m_extinction(extinction), m_lights(lights), m_eye(eye) {
-    for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<Real>(group.primary * scene.ambient[c]);
-    m_emitting = static_cast<Real>(group.primary);
+SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const LevelSheets& level, const EyeView& eye,
+                         const std::vector<CellLight>& cellLight, OtherLevels others)
+    : m_plan(plan),
+      m_group(level.group),
+      m_extinction(level.extinction),
+      m_lights(level.lights),
+      m_eye(eye),
+      m_others(std::move(others)) {
+    for (const LevelSheets* other : m_others.coarser) m_toCoarser.emplace_back(m_group.sheets, other->group.sheets);
+    for (const LevelSheets* other : m_others.finer) m_toFiner.emplace_back(m_group.sheets, other->group.sheets);
+    for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<Real>(m_group.primary * scene.ambient[c]);
+    m_emitting = static_cast<Real>(m_group.primary);
     m_unlit.resize(scene.lights.size());
-    for (std::size_t i = 0; i < extinction.volumes().size(); ++i) {
-        const ViewVolume& volume = scene.volumes[extinction.volumes()[i].sceneVolume];
-        m_held.push_back(volume.holdout);
+    for (int i = 0; i < levels(); ++i) addVolumes(scene, plan, i);
+    m_opacities = !m_group.outputs.opacities.empty();
+    if (m_group.outputs.layout.motion) m_motion.emplace(scene, m_group.sheets);
+    m_alone = m_media.size() == 1 && m_surfaces.empty() && plan.extinction.count() == 1 && levels() == 1;
+    if (m_group.primary > 0) chooseScattered(cellLight);
+}
+
+// Adds the looks of the volumes and emissions of a level.
+void SheetShader::addVolumes(const ViewScene& scene, const Plan& plan, int level) {
+    for (const ExtinctionSum::Emission& emission : extinctionOf(level).emissions())
+        m_emissions.emplace_back(level, &emission);
+    for (const ExtinctionSum::Volume& own : extinctionOf(level).volumes()) {
+        const ViewVolume& volume = scene.volumes[own.sceneVolume];
+        const Seen seen{level, &own, volume.holdout};
         m_holdouts = m_holdouts || volume.holdout;
         if (volume.classified) {
             SheetSurface& look = m_surfaces.emplace_back(surfaceOf(*volume.classified));
-            m_surfaceVolumes.push_back(static_cast<int>(i));
+            m_surfaceVolumes.push_back(seen);
             look.lit = litOrAll(volume);
-            look.sceneVolume = extinction.volumes()[i].sceneVolume;
+            look.sceneVolume = own.sceneVolume;
             look.output = outputOf(look.sceneVolume);
             continue;
         }
-        const bool grid = extinction.volumes()[i].scatter[0] != nullptr;
+        const bool grid = own.scatter[0] != nullptr;
         // A held-out volume scatters nothing.
-        const Rgb own = volume.holdout ? Rgb(0) : grid ? Rgb(1) : volume.medium.albedo;
-        const Rgb albedo = own * volume.medium.relativeTint();
+        const Rgb reflects = volume.holdout ? Rgb(0) : grid ? Rgb(1) : volume.medium.albedo;
+        const Rgb albedo = reflects * volume.medium.relativeTint();
         SheetMedium look{
             {}, {}, volume.medium.phase, volume.medium.octaves, volume.holdout ? &m_unlit : litOrAll(volume)};
         for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<Real>(albedo[c]);
         look.ambient = !scattersFully(volume);
-        look.output = outputOf(extinction.volumes()[i].sceneVolume);
-        look.caps = plan.caps[std::size_t(extinction.volumes()[i].sceneVolume)].get();
+        look.output = outputOf(own.sceneVolume);
+        look.caps = plan.caps[std::size_t(own.sceneVolume)].get();
         m_media.push_back(look);
         m_tints.push_back(volume.medium.relativeTint());
-        m_mediumVolumes.push_back(static_cast<int>(i));
+        m_mediumVolumes.push_back(seen);
     }
-    m_opacities = !group.outputs.opacities.empty();
-    if (group.outputs.layout.motion) m_motion.emplace(scene, group.sheets);
-    m_alone = m_media.size() == 1 && m_surfaces.empty() && plan.extinction.count() == 1;
-    if (group.primary > 0) chooseScattered(cellLight);
 }
 
 // Light on cells belongs to no sweep's lights; the sweeps that own alpha show it.
@@ -124,8 +140,8 @@ void SheetShader::chooseScattered(const std::vector<CellLight>& cellLight) {
         int output = 0;
         for (std::size_t i = 0; light.output && i < m_group.outputs.list.size(); ++i)
             if (m_group.outputs.list[i] == *light.output) output = static_cast<int>(i) + 1;
-        const auto show = [&](int volume, std::size_t medium, int surface) {
-            const auto& field = light.ofVolume[m_extinction.volumes()[volume].sceneVolume];
+        const auto show = [&](const Seen& seen, std::size_t medium, int surface) {
+            const auto& field = light.ofVolume[seen.volume->sceneVolume];
             if (!field) return;
             m_scatteredParts.push_back(
                 {static_cast<int>(medium), surface, {}, static_cast<Real>(m_group.primary), output, light.again});
@@ -172,33 +188,42 @@ int SheetShader::outputOf(int sceneVolume) const {
     return m_group.outputs.ofVolumes.empty() ? 0 : m_group.outputs.ofVolumes[std::size_t(sceneVolume)];
 }
 
-// Fills the rows of all media; read(planes, to) reads one row of one medium.
+// Fills the rows of all media; read(level, planes, to) reads one row of one medium.
 template <class Read>
 void SheetShader::gather(const Read& read, Rows& rows) const {
     // If there are surfaces, `classify` computes the sum.
-    if (m_surfaces.empty())
-        for (int i = 0; i < m_plan.extinction.count(); ++i) read(m_extinction.total(i), rows.total[i].values);
+    for (int level = 0; level < levels() && m_surfaces.empty(); ++level)
+        for (int i = 0; i < m_plan.extinction.count(); ++i) {
+            if (level == 0) {
+                read(level, m_extinction.total(i), rows.total[i].values);
+                continue;
+            }
+            Row own;
+            read(level, extinctionOf(level).total(i), own.values);
+            addTimes(1, own.values, rows.total[i].values);
+        }
     for (std::size_t i = 0; i < m_media.size(); ++i) {
-        const ExtinctionSum::Volume& volume = m_extinction.volumes()[m_mediumVolumes[i]];
+        const Seen& seen = m_mediumVolumes[i];
+        const ExtinctionSum::Volume& volume = *seen.volume;
         const bool grid = volume.scatter[0] != nullptr;
         if (grid)
-            for (int c = 0; c < 3; ++c) read(*volume.scatter[c], rows.scatter[3 * i + c].values);
+            for (int c = 0; c < 3; ++c) read(seen.level, *volume.scatter[c], rows.scatter[3 * i + c].values);
         if (!m_surfaces.empty() || m_holdouts || !(grid || m_alone) || m_motion || m_opacities)
-            read(volume.extinction(), rows.medium[i].values);
-        for (int c = 0; volume.flow[0] && c < 3; ++c) read(*volume.flow[c], rows.flow[3 * i + c].values);
+            read(seen.level, volume.extinction(), rows.medium[i].values);
+        for (int c = 0; volume.flow[0] && c < 3; ++c) read(seen.level, *volume.flow[c], rows.flow[3 * i + c].values);
     }
     for (int i = 0; m_holdouts && i < m_plan.extinction.count(); ++i)
         std::fill(rows.seen[i].values, rows.seen[i].values + kTileSize, Real(0));
     for (std::size_t i = 0; m_holdouts && i < m_media.size(); ++i)
-        addSeen(std::size_t(m_mediumVolumes[i]), rows.medium[i].values, rows);
-    for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)
-        read(*m_extinction.emissions()[e].planes, rows.emission[e].values);
+        addSeen(m_mediumVolumes[i], rows.medium[i].values, rows);
+    for (std::size_t e = 0; e < m_emissions.size(); ++e)
+        read(m_emissions[e].first, *m_emissions[e].second->planes, rows.emission[e].values);
 }
 
-// Adds the extinction of one of m_extinction's volumes to the visible sum, unless it is held out.
-void SheetShader::addSeen(std::size_t volume, const Real* extinction, Rows& rows) const {
-    if (!m_holdouts || m_held[volume]) return;
-    const std::vector<Real>& weights = m_plan.extinction.weights[m_extinction.volumes()[volume].sceneVolume];
+// Adds the extinction of a volume to the visible sum, unless it is held out.
+void SheetShader::addSeen(const Seen& volume, const Real* extinction, Rows& rows) const {
+    if (!m_holdouts || volume.held) return;
+    const std::vector<Real>& weights = m_plan.extinction.weights[volume.volume->sceneVolume];
     for (int i = 0; i < m_plan.extinction.count(); ++i) addTimes(weights[i], extinction, rows.seen[i].values);
 }
 
@@ -215,7 +240,7 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
 
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     Rows& rows = rowsFor(lights.lights.size());
-    gather([&](const PlaneStack& planes, Real* to) { copyTile(planes, p, tx, ty, to); }, rows);
+    gather([&](int, const PlaneStack& planes, Real* to) { copyTile(planes, p, tx, ty, to); }, rows);
     for (std::size_t i = 0; i < lights.shadows.size(); ++i)
         if (lights.shadows[i]) lights.shadows[i]->lookUpTile(p, tx * kTileEdge, ty * kTileEdge, rows.tauIn[i].values);
     passSolids(p, samples, rows);
@@ -228,11 +253,9 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     Rows& rows = rowsFor(lights.lights.size());
     if (cells)
-        gather([&](const PlaneStack& planes, Real* to) { copyTile(planes, p, cells->x, cells->y, to); }, rows);
+        gather([&](int, const PlaneStack& planes, Real* to) { copyTile(planes, p, cells->x, cells->y, to); }, rows);
     else
-        gather([&](const PlaneStack& planes,
-                   Real* to) { samplePoints(planes.view(p, m_plan.simd), samples.u, samples.v, false, kTileSize, to); },
-               rows);
+        gatherPoints(p, samples, rows);
     if (!m_surfaces.empty()) {
         // A cell is the same ray on every plane.
         SampleTile atCells{};
@@ -257,10 +280,141 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
         for (std::size_t i = 0; i < lights.shadows.size(); ++i)
             if (lights.shadows[i])
                 lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, kTileSize, rows.tauIn[i].values);
+    addCoarserShadows(p, samples, rows);
+    addFinerShadows(p, samples, rows);
     passSolids(p, samples, rows);
     lookUpScattered(lights.sheet, samples, rows);
     work += shadeTile(inputOf(p, samples, rows), out);
     return true;
+}
+
+// Fills the rows of all media at points of plane p, of coarser levels where the points lie in their sheets.
+void SheetShader::gatherPoints(int p, const SampleTile& samples, Rows& rows) const {
+    int at = 0;  // the level that the positions in rows.coarser belong to
+    gather(
+        [&](int level, const PlaneStack& planes, Real* to) {
+            if (level == 0) {
+                samplePoints(planes.view(p, m_plan.simd), samples.u, samples.v, false, kTileSize, to);
+                return;
+            }
+            Real *const u = rows.coarser[0].values, *const v = rows.coarser[1].values;
+            const LevelMap& map = m_toCoarser[std::size_t(level - 1)];
+            for (int k = 0; k < kTileSize && at != level; ++k) {
+                u[k] = static_cast<Real>(map.u(samples.u[k]));
+                v[k] = static_cast<Real>(map.v(samples.v[k]));
+            }
+            at = level;
+            samplePoints(planes.view(0, m_plan.simd), u, v, false, kTileSize, to);
+        },
+        rows);
+}
+
+// Adds what coarser levels take from the lights on the way to sheet p, to a fraction of their own sheets.
+void SheetShader::addCoarserShadows(int p, const SampleTile& samples, Rows& rows) const {
+    const LightSweep::OnSheet& lights = m_lights.onSheet(p);
+    const int channels = m_plan.extinction.count();
+    Real *const u = rows.coarser[0].values, *const v = rows.coarser[1].values;
+    alignas(64) Real tau[kTileSize];
+    for (std::size_t level = 0; level < m_others.coarser.size() && !lights.shadows.empty(); ++level) {
+        const LevelSheets& other = *m_others.coarser[level];
+        const LevelMap& map = m_toCoarser[level];
+        for (int k = 0; k < kTileSize; ++k) {
+            u[k] = static_cast<Real>(map.u(samples.u[k]));
+            v[k] = static_cast<Real>(map.v(samples.v[k]));
+        }
+        const double plane = map.n(lights.sheet + 0.5);
+        const double part = std::clamp(map.n(lights.sheet) - other.sheet, 0.0, 1.0);
+        for (std::size_t i = 0; i < lights.shadows.size(); ++i) {
+            const auto light = lights.numbers[i / std::size_t(channels)];
+            const Shadow* shadow = other.lights.shadow(light, static_cast<int>(i) % channels);
+            if (shadow == nullptr) continue;
+            shadow->lookUpWithin(plane, static_cast<Real>(part), u, v, kTileSize, tau);
+            addTimes(1, tau, rows.tauIn[i].values);
+        }
+    }
+}
+
+namespace {
+
+// The box around the first, last and corner samples of a tile, which lie in rows of 16, moved by `away` sheets along
+// the eye's rays; `toTexels` turns slopes into texels a sheet.
+Box2<double> boxAlong(const SampleTile& samples, double away, double toTexels) {
+    auto box = Box2<double>::nothing();
+    for (const int k : {0, kTileEdge - 1, kTileSize - kTileEdge, kTileSize - 1})
+        box.include(samples.u[k] + away * toTexels * samples.eyeA[k], samples.v[k] + away * toTexels * samples.eyeB[k]);
+    return box;
+}
+
+}  // namespace
+
+// Adds what finer levels take from the lights. Their shadows may be much narrower than this level's sheets are thick:
+// light is averaged over points of the eye's ray through the sheet, as many as the shadow's cells that it crosses ask
+// for.
+void SheetShader::addFinerShadows(int p, const SampleTile& samples, Rows& rows) const {
+    constexpr double kCells = 2;
+    constexpr int kMost = 32;
+    const LightSweep::OnSheet& lights = m_lights.onSheet(p);
+    const auto channels = std::size_t(m_plan.extinction.count());
+    const double toTexels = m_group.sheets.thickness / m_group.sheets.texel;
+    struct Other {
+        const Shadow* shadow;
+        const LevelMap* map;
+    };
+    for (std::size_t i = 0; i < lights.shadows.size() && !m_others.finer.empty(); ++i) {
+        std::vector<Other> others;
+        double cells = 0;
+        for (std::size_t level = 0; level < m_others.finer.size(); ++level) {
+            const LevelMap& map = m_toFiner[level];
+            const Shadow* shadow =
+                m_others.finer[level]->lights.shadow(lights.numbers[i / channels], static_cast<int>(i % channels));
+            if (shadow == nullptr) continue;
+            const auto at = [&](double away) {
+                return shadow->cellsOf(map.box(boxAlong(samples, away, toTexels)), map.n(lights.sheet + 0.5 + away));
+            };
+            const Box2<double> from = at(-0.5), to = at(0.5);
+            Box2<double> all = from;
+            all.include(to.x0, to.y0);
+            all.include(to.x1, to.y1);
+            if (shadow->anyMet(all)) others.push_back({shadow, &map});
+            // Those that are not looked up count, too: a crop, which splats less, must have as many points.
+            cells = std::max({cells, std::abs(to.x0 - from.x0), std::abs(to.y0 - from.y0), std::abs(to.x1 - from.x1),
+                              std::abs(to.y1 - from.y1)});
+        }
+        if (others.empty()) continue;
+        const int points = std::clamp(static_cast<int>(std::ceil(cells / kCells)), 1, kMost);
+        alignas(64) Real u[kTileSize], v[kTileSize], tau[kTileSize], sum[kTileSize], light[kTileSize];
+        std::fill_n(light, kTileSize, Real(0));
+        for (int point = 0; point < points; ++point) {
+            const double away = (point + 0.5) / points - 0.5;
+            const auto shift = static_cast<Real>(away * toTexels);
+            std::fill_n(sum, kTileSize, Real(0));
+            for (const Other& other : others) {
+                const auto scale = static_cast<Real>(other.map->texels);
+                const auto firstU = static_cast<Real>(other.map->first.x),
+                           firstV = static_cast<Real>(other.map->first.y);
+                for (int k = 0; k < kTileSize; ++k) {
+                    u[k] = firstU + scale * (samples.u[k] + shift * samples.eyeA[k]);
+                    v[k] = firstV + scale * (samples.v[k] + shift * samples.eyeB[k]);
+                }
+                other.shadow->lookUpNow(other.map->n(lights.sheet + 0.5 + away), u, v, kTileSize, tau);
+                addTimes(1, tau, sum);
+            }
+            for (int k = 0; k < kTileSize; ++k) light[k] += std::exp(-sum[k]);
+        }
+        constexpr Real kDark = 80;  // of an optical depth beyond it nothing is left
+        for (int k = 0; k < kTileSize; ++k)
+            rows.tauIn[i].values[k] +=
+                light[k] > 0 ? -std::log(std::min(light[k] / static_cast<Real>(points), Real(1))) : kDark;
+    }
+}
+
+bool SheetShader::anyCoarser(const Box2<double>& texels) const {
+    for (std::size_t level = 0; level < m_others.coarser.size(); ++level) {
+        const PlaneStack& covered = m_others.coarser[level]->extinction.covered();
+        const Box2<double> box = m_toCoarser[level].box(texels);
+        if (anyActiveNear(covered, 0, box)) return true;
+    }
+    return false;
 }
 
 // Classifies all surfaces at positions `at` of the eye's lattice, and sets the total extinction to that of the surfaces
@@ -268,18 +422,18 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
 void SheetShader::classify(int p, const SampleTile& at, const std::uint8_t* open, Rows& rows, ShadeWork& work) const {
     const int channels = m_plan.extinction.count();
     for (int i = 0; i < channels; ++i) std::fill(rows.total[i].values, rows.total[i].values + kTileSize, Real(0));
-    const auto add = [&](int volume, const Real* extinction) {
-        const std::vector<Real>& weights = m_plan.extinction.weights[m_extinction.volumes()[volume].sceneVolume];
+    const auto add = [&](const Seen& volume, const Real* extinction) {
+        const std::vector<Real>& weights = m_plan.extinction.weights[volume.volume->sceneVolume];
         for (int i = 0; i < channels; ++i) addTimes(weights[i], extinction, rows.total[i].values);
     };
     for (std::size_t i = 0; i < m_media.size(); ++i) add(m_mediumVolumes[i], rows.medium[i].values);
     for (std::size_t i = 0; i < m_surfaces.size(); ++i) {
         ClassifiedTile& seen = rows.classified[i];
-        if (!m_extinction.volumes()[m_surfaceVolumes[i]].surface->classify(p, at, open, seen)) continue;
+        if (!m_surfaceVolumes[i].volume->surface->classify(p, at, open, seen)) continue;
         work.gradients += kTileSize;
         add(m_surfaceVolumes[i], seen.extinction);
-        addSeen(std::size_t(m_surfaceVolumes[i]), seen.extinction, rows);
-        if (m_held[std::size_t(m_surfaceVolumes[i])]) continue;
+        addSeen(m_surfaceVolumes[i], seen.extinction, rows);
+        if (m_surfaceVolumes[i].held) continue;
         SheetSurface surface = m_surfaces[i];
         surface.extinction = seen.extinction;
         for (int c = 0; c < 3; ++c) {
@@ -301,7 +455,7 @@ bool SheetShader::shows(const Rows& rows) const {
     };
     for (int i = 0; i < m_plan.extinction.count(); ++i)
         if (any(rows.total[i].values)) return true;
-    for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)
+    for (std::size_t e = 0; e < m_emissions.size(); ++e)
         if (any(rows.emission[e].values)) return true;
     return false;
 }
@@ -324,7 +478,7 @@ void SheetShader::passSolids(int p, const SampleTile& samples, Rows& rows) const
 void SheetShader::fillMotion(int p, const SampleTile& samples, Rows& rows) const {
     std::vector<ScreenMotion::Part> parts;
     for (std::size_t i = 0; i < m_media.size(); ++i) {
-        const ExtinctionSum::Volume& volume = m_extinction.volumes()[m_mediumVolumes[i]];
+        const ExtinctionSum::Volume& volume = *m_mediumVolumes[i].volume;
         ScreenMotion::Part& part = parts.emplace_back(ScreenMotion::Part{volume.sceneVolume, rows.medium[i].values});
         for (int c = 0; volume.flow[0] && c < 3; ++c) part.flow[c] = rows.flow[3 * i + c].values;
     }
@@ -340,8 +494,7 @@ void SheetShader::fillOpacities(Rows& rows) const {
         for (int c = 0; c < 3; ++c) rows.opacities.back().color[c] = static_cast<Real>(tint[c]);
     };
     for (std::size_t i = 0; m_opacities && i < m_media.size(); ++i)
-        if (const auto v = std::size_t(m_mediumVolumes[i]); !m_held[v])
-            add(m_extinction.volumes()[v].sceneVolume, rows.medium[i].values, m_tints[i]);
+        if (!m_mediumVolumes[i].held) add(m_mediumVolumes[i].volume->sceneVolume, rows.medium[i].values, m_tints[i]);
     for (std::size_t i = 0; m_opacities && i < rows.surfaces.size(); ++i)
         add(rows.surfaces[i].sceneVolume, rows.surfaces[i].extinction, Rgb(1));
 }
@@ -351,19 +504,19 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     rows.media = m_media;
     for (std::size_t i = 0; i < m_media.size(); ++i) {
-        const bool grid = m_extinction.volumes()[m_mediumVolumes[i]].scatter[0] != nullptr;
+        const bool grid = m_mediumVolumes[i].volume->scatter[0] != nullptr;
         for (int c = 0; c < 3; ++c)
             rows.media[i].scatter[c] = grid      ? rows.scatter[3 * i + c].values
                                        : m_alone ? rows.total[0].values
                                                  : rows.medium[i].values;
     }
     rows.emissions.clear();
-    for (std::size_t e = 0; e < m_extinction.emissions().size() && m_emitting > 0; ++e) {
+    for (std::size_t e = 0; e < m_emissions.size() && m_emitting > 0; ++e) {
+        const ExtinctionSum::Emission& source = *m_emissions[e].second;
         SheetEmission& emission = rows.emissions.emplace_back();
         emission.coefficient = rows.emission[e].values;
-        emission.output = outputOf(m_extinction.emissions()[e].sceneVolume);
-        for (int c = 0; c < 3; ++c)
-            emission.color[c] = m_emitting * static_cast<Real>(m_extinction.emissions()[e].color[c]);
+        emission.output = outputOf(source.sceneVolume);
+        for (int c = 0; c < 3; ++c) emission.color[c] = m_emitting * static_cast<Real>(source.color[c]);
     }
     ShadeInput input{};
     input.samples = &samples;

@@ -6,6 +6,7 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/light/light_sweep.h>
+#include <scrim/engine/shade/level_sheets.h>
 #include <scrim/engine/shade/screen_motion.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
@@ -13,14 +14,16 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace scrim {
 
 class SheetShader {
   public:
-    SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const ExtinctionSum& extinction,
-                const LightSweep& lights, const EyeView& eye, const std::vector<CellLight>& cellLight);
+    /// Shades what is in the sheets of `level`, with what coarser levels have there, in the light that passes all.
+    SheetShader(const ViewScene& scene, const Plan& plan, const LevelSheets& level, const EyeView& eye,
+                const std::vector<CellLight>& cellLight, OtherLevels others = {});
 
     /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the layout of the group's outputs.
     ShadeWork shadeTexels(int p, int sheet, int tx, int ty, Real* out) const;
@@ -31,16 +34,33 @@ class SheetShader {
     bool shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, const std::uint8_t* open,
                      bool onward, Real* out, ShadeWork& work) const;
 
+    /// True if a coarser level has anything near these texels in its sheet.
+    bool anyCoarser(const Box2<double>& texels) const;
+
     /// Factor that converts texels per sheet to a slope du/dw.
     double slopeScale() const { return m_group.sheets.texel / m_group.sheets.thickness; }
 
   private:
     struct Rows;
+    /// A volume in the sheets of this level, or of a coarser one.
+    struct Seen {
+        int level;  ///< 0: this one; otherwise one more than the index into OtherLevels::coarser
+        const ExtinctionSum::Volume* volume;
+        bool held;  ///< it is held out
+    };
+    const ExtinctionSum& extinctionOf(int level) const {
+        return level == 0 ? m_extinction : m_others.coarser[std::size_t(level - 1)]->extinction;
+    }
+    int levels() const { return static_cast<int>(m_others.coarser.size()) + 1; }
+    void addVolumes(const ViewScene& scene, const Plan& plan, int level);
     Rows& rowsFor(std::size_t lights) const;
     int outputOf(int sceneVolume) const;
     template <class Read>
     void gather(const Read& read, Rows& rows) const;
-    void addSeen(std::size_t volume, const Real* extinction, Rows& rows) const;
+    void gatherPoints(int p, const SampleTile& samples, Rows& rows) const;
+    void addCoarserShadows(int p, const SampleTile& samples, Rows& rows) const;
+    void addFinerShadows(int p, const SampleTile& samples, Rows& rows) const;
+    void addSeen(const Seen& volume, const Real* extinction, Rows& rows) const;
     bool surfacesAlone() const;
     void passSolids(int p, const SampleTile& samples, Rows& rows) const;
     void classify(int p, const SampleTile& at, const std::uint8_t* open, Rows& rows, ShadeWork& work) const;
@@ -62,15 +82,17 @@ class SheetShader {
     std::vector<bool> m_unlit;  // for each light, whether it lights none of the media
     Real m_ambient[3];
     Real m_emitting;  // the group's share of emission
-    // The constant part of volumes' looks, and the indices of these volumes in m_extinction.
+    const OtherLevels m_others;
+    std::vector<LevelMap> m_toCoarser, m_toFiner;
+    // The constant part of volumes' looks, and these volumes.
     std::vector<SheetMedium> m_media;
     std::vector<Rgb> m_tints;  // of the media's extinction
     std::vector<SheetSurface> m_surfaces;
-    std::vector<int> m_mediumVolumes, m_surfaceVolumes;
+    std::vector<Seen> m_mediumVolumes, m_surfaceVolumes;
+    std::vector<std::pair<int, const ExtinctionSum::Emission*>> m_emissions;  // with their levels
     // The light on cells that the group shows, and where it is looked up.
     std::vector<SheetScattered> m_scatteredParts;
     std::vector<std::shared_ptr<const CellField>> m_scatteredFields;
-    std::vector<bool> m_held;              // for each of m_extinction's volumes, whether it is held out
     std::optional<ScreenMotion> m_motion;  // only if a layer needs it
 };
 

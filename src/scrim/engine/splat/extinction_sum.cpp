@@ -40,6 +40,11 @@ std::vector<ViewEmission> emissionOf(const ViewVolume& volume) {
     return emission;
 }
 
+// True for a volume that is among those which share the sheets; empty: all do.
+bool isAmong(const std::vector<bool>& among, std::size_t volume) {
+    return among.empty() || among[volume];
+}
+
 // True for volumes that look the same, above all instances, which are splatted into the same planes. The groups hold
 // indices of volumes with density.
 using Alike = std::vector<std::size_t>;
@@ -49,11 +54,11 @@ bool lookAlike(const ViewVolume& a, const ViewVolume& b) {
            a.lights == b.lights && a.shadows == b.shadows && a.holdout == b.holdout && !a.motion && !b.motion;
 }
 
-std::vector<Alike> alikeVolumes(const ViewScene& scene) {
+std::vector<Alike> alikeVolumes(const ViewScene& scene, const std::vector<bool>& among) {
     const bool apart = wants(scene, Layer::volume) || wants(scene, Layer::cryptomatte);  // each has its own layer
     std::vector<Alike> groups;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-        if (scene.volumes[v].field->empty()) continue;
+        if (!isAmong(among, v) || scene.volumes[v].field->empty()) continue;
         const auto known = std::find_if(groups.begin(), groups.end(), [&](const Alike& group) {
             return !apart && lookAlike(scene.volumes[group.front()], scene.volumes[v]);
         });
@@ -72,9 +77,9 @@ const std::vector<ViewField>& flowOf(const ViewScene& scene, const ViewVolume& v
 }
 
 // True if the sum needs planes of its own.
-bool needsTotals(const ViewScene& scene, const Plan& plan, ExtinctionSum::For who) {
+bool needsTotals(const ViewScene& scene, const Plan& plan, ExtinctionSum::For who, const std::vector<bool>& among) {
     const auto emits = [](const ViewVolume& volume) { return !emissionOf(volume).empty(); };
-    return plan.extinction.count() > 1 || alikeVolumes(scene).size() != 1 ||
+    return plan.extinction.count() > 1 || alikeVolumes(scene, among).size() != 1 ||
            (who == ExtinctionSum::For::primaryEye && std::any_of(scene.volumes.begin(), scene.volumes.end(), emits));
 }
 
@@ -96,7 +101,7 @@ void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
 }  // namespace
 
 ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
-                             int batchSheets, For who)
+                             int batchSheets, For who, const std::vector<bool>& among)
     : m_channels(plan.extinction) {
     const auto add = [&](const std::vector<std::vector<ViewField>>& placements, double scale) {
         m_own.push_back(std::make_unique<FieldPlanes>(placements, settingsOf(scale, scene.dials, plan.voxel),
@@ -115,7 +120,7 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
         }
         return planes;
     };
-    for (const Alike& alike : alikeVolumes(scene)) {
+    for (const Alike& alike : alikeVolumes(scene, among)) {
         const ViewVolume& volume = scene.volumes[alike.front()];
         Volume& own = m_volumes.emplace_back();
         own.sceneVolume = static_cast<int>(alike.front());
@@ -144,6 +149,7 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
         std::all_of(m_volumes.begin(), m_volumes.end(), [&](const Volume& v) { return v.surface && grey(v); }))
         for (const Volume& volume : m_volumes) m_surfacesAlone.push_back(volume.surface.get());
     for (std::size_t v = 0; v < scene.volumes.size() && who == For::primaryEye; ++v) {
+        if (!isAmong(among, v)) continue;
         const std::vector<ViewEmission> emission = emissionOf(scene.volumes[v]);
         std::vector<ViewField> fields;
         for (const ViewEmission& e : emission) fields.push_back(e.field);
@@ -151,7 +157,7 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
         for (std::size_t e = 0; e < emission.size(); ++e)
             m_emissions.push_back({planes[e], emission[e].color, static_cast<int>(v)});
     }
-    if (!needsTotals(scene, plan, who)) return;
+    if (!needsTotals(scene, plan, who, among)) return;
     for (int i = 0; i < m_channels.count(); ++i) m_totals.emplace_back(batchSheets, lattice.width, lattice.height, 1);
 }
 
@@ -213,20 +219,22 @@ std::size_t ExtinctionSum::bytes() const {
 }
 
 std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
-                                 int batch, For who) {
+                                 int batch, For who, const std::vector<bool>& among) {
     std::size_t sum = 0;
     const FieldPlanes::Settings settings = settingsOf(1, scene.dials, plan.voxel);
     const auto add = [&](const ViewField& field) {
         if (!field.field->empty()) sum += FieldPlanes::bytes({field}, settings, scene.dials, sheets, lattice, batch);
     };
-    for (const Alike& alike : alikeVolumes(scene)) {
+    for (const Alike& alike : alikeVolumes(scene, among)) {
         const ViewVolume& volume = scene.volumes[alike.front()];
         std::vector<ViewField> placements;
         for (const std::size_t v : alike) placements.push_back(densityOf(scene.volumes[v]));
         sum += volume.classified ? Surface::bytes(volume, scene.dials, sheets, lattice, batch)
                                  : FieldPlanes::bytes(placements, settings, scene.dials, sheets, lattice, batch);
     }
-    for (const ViewVolume& volume : scene.volumes) {
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        const ViewVolume& volume = scene.volumes[v];
+        if (!isAmong(among, v)) continue;
         if (who != For::light)
             for (const ViewField& scatter : volume.scatter) add(scatter);
         if (who == For::primaryEye)
@@ -234,7 +242,7 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
         if (who == For::primaryEye)
             for (const ViewEmission& emission : volume.emission) add(emission.field);
     }
-    const std::size_t totals = needsTotals(scene, plan, who) ? plan.extinction.count() : 0;
+    const std::size_t totals = needsTotals(scene, plan, who, among) ? plan.extinction.count() : 0;
     return sum + totals * PlaneStack::bytes(batch, lattice.width, lattice.height, 1);
 }
 

@@ -21,9 +21,10 @@ class ExtinctionSum {
     enum class For { light, eye, primaryEye };
     static For eyeOf(const GroupPlan& group) { return group.primary > 0 ? For::primaryEye : For::eye; }
 
-    /// On the cells of `lattice`. `scene`, `plan`, `sheets` and `lattice` must outlive this object.
+    /// On the cells of `lattice`, of the scene's volumes `among`; empty: of all. `scene`, `plan`, `sheets` and
+    /// `lattice` must outlive this object.
     ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
-                  int batchSheets, For who);
+                  int batchSheets, For who, const std::vector<bool>& among = {});
 
     /// Splats and classifies sheets [firstSheet, firstSheet + count) into planes [0, count). Returns the footprints
     /// that were added. See FieldPlanes::splat.
@@ -66,7 +67,7 @@ class ExtinctionSum {
     std::size_t bytes() const;
     /// Upper bound on the bytes, known beforehand.
     static std::size_t bytes(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
-                             int batchSheets, For who);
+                             int batchSheets, For who, const std::vector<bool>& among = {});
 
   private:
     void addUp(int plane);

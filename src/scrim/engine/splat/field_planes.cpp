@@ -180,7 +180,8 @@ void FieldPlanes::prepare() {
 }
 
 void FieldPlanes::beginBatch(int firstSheet, int count) {
-    if (m_origin < 0) {
+    // Without sheets beside the batch nothing is kept from one batch to the next, which may then be anywhere.
+    if (m_origin < 0 || (m_settings.before == 0 && m_settings.behind == 0)) {
         m_origin = firstSheet;
         m_readySheet = firstSheet - m_settings.before;
     }

@@ -32,8 +32,9 @@ class FieldPlanes {
                 const Sheets& sheets, const Lattice& lattice, int batchSheets);
     ~FieldPlanes();
 
-    /// Begins the batch [firstSheet, firstSheet + count). It is splatted in consecutive phases, each of independent
-    /// tasks; then all planes are finished, independently of one another.
+    /// Begins the batch [firstSheet, firstSheet + count), which must follow the batch before if sheets beside batches
+    /// are kept. It is splatted in consecutive phases, each of independent tasks; then all planes are finished,
+    /// independently of one another.
     void beginBatch(int firstSheet, int count);
     static constexpr int kPhases = 2;
     int tasks(int phase) const;

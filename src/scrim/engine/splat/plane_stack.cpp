@@ -261,6 +261,15 @@ bool PlaneStack::anyActive(int p, const Box2<int>& tiles) const {
     return false;
 }
 
+bool anyActiveNear(const PlaneStack& planes, int p, const Box2<double>& texels) {
+    if (texels.x1 < 0 || texels.y1 < 0 || texels.x0 >= planes.width() || texels.y0 >= planes.height()) return false;
+    const auto tileOf = [](double texel, int size) {
+        return static_cast<int>(std::clamp(std::floor(texel), 0.0, size - 1.0)) / kTileEdge;
+    };
+    return planes.anyActive(p, {tileOf(texels.x0, planes.width()), tileOf(texels.y0, planes.height()),
+                                tileOf(texels.x1 + 1, planes.width()) + 1, tileOf(texels.y1 + 1, planes.height()) + 1});
+}
+
 Box2<int> PlaneStack::activeBounds(int p) const {
     Box2<int> box;
     for (int ty = 0; ty < tilesY(); ++ty)

@@ -104,6 +104,9 @@ class PlaneStack {
     std::vector<std::uint8_t> m_state;
 };
 
+/// True if look-ups in a box of texel positions may meet active tiles of plane p.
+bool anyActiveNear(const PlaneStack& planes, int p, const Box2<double>& texels);
+
 /// out[k] = plane at (u[k], v[k]) * scale + (firstU, firstV), for k in [0, count); count a multiple of 16.
 void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out,
                   Real scale = 1, Real firstU = 0, Real firstV = 0);

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sweep through the sheets of several levels. Sheets of the coarsest level are swept in their order; one in which
+// there are volumes of finer levels is followed by their sheets, which the pixels that see them walk in its place.
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/engine/composite/pixel_tiles.h>
+#include <scrim/engine/model/frame.h>
+#include <scrim/engine/model/plan.h>
+#include <scrim/engine/transport/cell_field.h>
+#include <scrim/scene/view_scene.h>
+
+#include <functional>
+#include <vector>
+
+namespace scrim {
+
+/// Adds the result of the sweep of `group`, which has finer levels, to `tiles`. `ends`: objects that hide parts of
+/// rays; null: none. `progress` is called with the part that is done. Returns the work, with the bytes of the buffers.
+RenderWork sweepLevels(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
+                       const std::vector<CellLight>& cellLight, PixelTiles& tiles,
+                       const std::function<void(double)>& progress);
+
+}  // namespace scrim

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/plan/levels.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+double voxelOf(const ViewVolume& volume) {
+    constexpr double kFlattest = 8;
+    double unit = std::numeric_limits<double>::infinity();
+    for (const ViewField& field : fieldsOf(volume)) {
+        double least = std::numeric_limits<double>::infinity(), most = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double edge = glm::length(Vec3(field.wsFromIs[axis]));
+            least = std::min(least, edge);
+            most = std::max(most, edge);
+        }
+        unit = std::min(unit, volume.classified ? least : std::max(least, most / kFlattest));
+    }
+    return unit;
+}
+
+// Surfaces, solids' shadows, deep samples and motion are computed on one lattice.
+bool oneLattice(const ViewScene& scene) {
+    return scene.dials.splat == SplatMode::perView || anyClassified(scene) || solidsBlock(scene) || scene.deep ||
+           wants(scene, Layer::motion);
+}
+
+}  // namespace
+
+double dialUnit(const ViewScene& scene) {
+    double unit = std::numeric_limits<double>::infinity();
+    for (const ViewVolume& volume : scene.volumes) unit = std::min(unit, voxelOf(volume));
+    return std::isfinite(unit) ? unit : 1.0;
+}
+
+std::vector<VolumeLevel> volumeLevels(const ViewScene& scene) {
+    constexpr int kOctaves = 1;  // of voxels that share sheets
+    // Pixels that walk the sheets of one level instead of a sheet of the one before walk at most so many. Levels
+    // without volumes come between others where there would be more.
+    constexpr double kMostStep = 8;
+    const std::vector<bool> all(scene.volumes.size(), true);
+    const double finest = dialUnit(scene);
+    if (oneLattice(scene)) return {{finest, all, all}};
+    std::map<int, std::vector<std::size_t>> byOctave;
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v)
+        if (const double voxel = voxelOf(scene.volumes[v]); std::isfinite(voxel))
+            byOctave[static_cast<int>(std::floor(std::log2(voxel / finest) + 1e-9))].push_back(v);
+    std::vector<VolumeLevel> levels;
+    int first = 0;
+    for (const auto& [octave, volumes] : byOctave) {
+        if (levels.empty() || octave >= first + kOctaves) {
+            levels.push_back({std::ldexp(finest, octave), std::vector<bool>(scene.volumes.size(), false), {}});
+            first = octave;
+        }
+        for (const std::size_t v : volumes) levels.back().volumes[v] = true;
+    }
+    if (levels.size() < 2) return {{finest, all, all}};
+    std::vector<VolumeLevel> out;
+    for (VolumeLevel& level : levels) {
+        while (!out.empty() && level.voxel > kMostStep * out.back().voxel) {
+            VolumeLevel between = out.back();
+            between.voxel *= kMostStep;
+            std::fill(between.volumes.begin(), between.volumes.end(), false);
+            out.push_back(std::move(between));
+        }
+        level.around = level.volumes;
+        out.push_back(std::move(level));
+    }
+    std::reverse(out.begin(), out.end());
+    return out;
+}
+
+std::vector<Vec3> wsCorners(const ViewScene& scene, const VolumeLevel& level) {
+    std::vector<Vec3> corners;
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        if (!level.around[v]) continue;
+        const std::vector<Vec3> own = wsCorners(scene.volumes[v], scene.dials.kernel);
+        corners.insert(corners.end(), own.begin(), own.end());
+    }
+    return corners;
+}
+
+}  // namespace scrim

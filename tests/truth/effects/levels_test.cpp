@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volumes of unlike voxels, which have sheets of their own: what eye and light pass is the sum of all of them.
+#include "soft_lights.h"
+#include "support/fields.h"
+#include "support/verified.h"
+
+#include <scrim/engine/plan/levels.h>
+#include <scrim/geometry/camera.h>
+
+#include <tbb/global_control.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+// A ball of voxels of `voxel`, 2.4 wide, in haze of voxels of 1, lit at a slant: the ball's shadow runs through the
+// haze in view.
+ViewScene ballInHaze(double voxel, const Vec3& middle = Vec3(0.3, -0.2, 0.4)) {
+    Medium thin;
+    thin.densityScale = 0.08;
+    thin.albedo = Rgb(0.9, 0.8, 0.7);
+    const auto haze = makeField(Int3(-6), Int3(5), 1, [](const Vec3& is) { return 1 + 0.3 * std::sin(is.x + is.y); });
+    ViewScene scene = orthographicScene(haze, thin, 9, 48);
+    scene.camera.type = CameraType::perspective;
+    scene.camera.wsPosition = {4, 3, 14};
+    scene.camera.wsFromCamera = lookAt(scene.camera.wsPosition, middle, {0, 1, 0});
+    scene.lights.push_back(distantLight({-1, -0.6, -0.5}, 3));
+    ViewVolume& ball = scene.volumes.emplace_back(scene.volumes.front());
+    ball.name = "ball";
+    ball.place = 1;
+    ball.field = smokeField(static_cast<int>(std::lround(1.2 / voxel)), voxel);
+    ball.wsFromIs = ball.field->wsFromIs;
+    ball.wsFromIs[3] += glm::dvec4(middle, 0);
+    ball.medium.densityScale = 2;
+    ball.medium.albedo = Rgb(0.6, 0.8, 0.9);
+    scene.volumes.front().place = 0;
+    return scene;
+}
+
+std::size_t levelsOf(const ViewScene& scene) {
+    return makePlan(scene, 1).groups.front().finer.size() + 1;
+}
+
+Image imageOf(const ViewScene& scene) {
+    return renderScene(scene).image;
+}
+
+double largestDifference(const Image& a, const Image& b) {
+    double most = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i)
+        most = std::max(most, std::abs(double(a.rgba[i]) - double(b.rgba[i])));
+    return most;
+}
+
+TEST(Levels, AgreeWithBruteForceWhereverTheSmallVolumeIs) {
+    // In the haze, across its border, and before it.
+    for (const Vec3 middle : {Vec3(0.3, -0.2, 0.4), Vec3(5.3, 1, 2), Vec3(1, 1, 8)}) {
+        const ViewScene scene = ballInHaze(0.1, middle);
+        EXPECT_EQ(levelsOf(scene), 2u);
+        expectConvergence(scene, 150, 0.9, 0.008, fmt::format("middle{}", middle.z));
+    }
+}
+
+// Sixteen sheets of the ball fill one of the haze; a level without volumes lies between.
+TEST(Levels, AgreeWithBruteForceWhereOneLiesBetween) {
+    const ViewScene scene = ballInHaze(0.05);
+    EXPECT_EQ(levelsOf(scene), 3u);
+    expectConvergence(scene, 60, 0.9, 0.008);
+}
+
+TEST(Levels, AgreeWithBruteForceInLampsAndFromBehind) {
+    ViewScene scene = ballInHaze(0.1);
+    scene.lights = {lamp({3, 4, 3}, 60), distantLight({0.4, 0.2, 1}, 2)};
+    scene.lights[1].name = "rim";
+    scene.volumes[0].medium.scattering = Scattering::octaves;
+    scene.ambient = Rgb(0.02);
+    expectConvergence(scene, 100, 0.8, 0.012);
+}
+
+TEST(Levels, AgreeWithBruteForceInASkyOnCells) {
+    ViewScene scene = ballInHaze(0.1);
+    scene.lights = {domeLight(64)};
+    scene.lights[0].intensity = Rgb(0.5);
+    ASSERT_TRUE(makePlan(scene, 1).cellLights.has(0));
+    EXPECT_LT(errorOf(scene, 100), 0.02);
+}
+
+// The ball's shadow is twelve of its own voxels wide, and the haze's sheets are as thick as ten: pixels beside the ball
+// must find it, and no line where finer sheets end. Neighbours across such a line differ by no more than elsewhere.
+TEST(Levels, LeaveNoLineInTheShaft) {
+    ViewScene scene = ballInHaze(0.1);
+    scene.camera.resolution = {160, 160};
+    scene.region = {0, 0, 160, 160};
+    scene.dials.texel = scene.dials.sheetThickness = 0.5;
+    const Image image = imageOf(scene);
+    // Second differences along rows, relative to the mean; outside of the ball's own disk the picture is smooth.
+    double most = 0, sum = 0;
+    const auto green = [&](int x, int y) { return double(image.rgba[image.indexOf(x, y) + 1]); };
+    for (int y = 0; y < 160; ++y)
+        for (int x = 1; x < 159; ++x) {
+            sum += green(x, y);
+            if (std::hypot(x - 80, y - 80) < 30) continue;
+            most = std::max(most, std::abs(green(x + 1, y) + green(x - 1, y) - 2 * green(x, y)));
+        }
+    EXPECT_LT(most, 0.01 * sum / (160 * 158));
+}
+
+TEST(Levels, GiveCropsTheBitsOfTheWhole) {
+    ViewScene scene = ballInHaze(0.1);
+    const Image whole = imageOf(scene);
+    for (const PixelWindow crop :
+         {PixelWindow{13, 9, 41, 30}, PixelWindow{20, 20, 28, 28}, PixelWindow{0, 33, 48, 48}}) {
+        scene.picture = {0, 0, 48, 48};
+        scene.region = crop;
+        const Image part = imageOf(scene);
+        for (int y = crop.y0; y < crop.y1; ++y)
+            for (int x = crop.x0; x < crop.x1; ++x)
+                for (int c = 0; c < 4; ++c)
+                    ASSERT_EQ(part.rgba[part.indexOf(x, y) + std::size_t(c)],
+                              whole.rgba[whole.indexOf(x, y) + std::size_t(c)])
+                        << x << " " << y;
+    }
+}
+
+TEST(Levels, DoNotChangeABitWithThreadsAndMemory) {
+    const tbb::global_control seven(tbb::global_control::max_allowed_parallelism, 7);
+    ViewScene scene = ballInHaze(0.05);
+    const auto with = [&](int threads) { return render(scene, makePlan(scene, threads)).image.rgba; };
+    const auto one = with(1);
+    EXPECT_EQ(one, with(2));
+    EXPECT_EQ(one, with(7));
+    scene.memoryLimit = std::size_t{24} << 20;
+    EXPECT_EQ(one, with(2));
+}
+
+TEST(Levels, AddUpInLayersOfVolumesAndLights) {
+    ViewScene scene = ballInHaze(0.1);
+    scene.lights.push_back(distantLight({0.5, -1, -0.3}, 1));
+    scene.lights[1].name = "fill";
+    scene.layers = {Layer::light, Layer::volume};
+    const Frame frame = renderScene(scene);
+    std::vector<double> volumes(frame.image.rgba.size()), lights(volumes.size());
+    double brightest = 0;
+    for (const FrameLayer& layer : frame.layers)
+        for (std::size_t i = 0; i < layer.data.size(); ++i) {
+            auto& sum = layer.layer == Layer::volume ? volumes : lights;
+            if (layer.layer == Layer::volume || layer.layer == Layer::light)
+                sum[i / 3 * 4 + i % 3] += double(layer.data[i]);
+        }
+    for (const float value : frame.image.rgba) brightest = std::max(brightest, double(value));
+    for (std::size_t i = 0; i < volumes.size(); ++i) {
+        if (i % 4 == 3) continue;
+        EXPECT_NEAR(volumes[i], double(frame.image.rgba[i]), 2e-6 * brightest);
+        EXPECT_NEAR(lights[i], double(frame.image.rgba[i]), 2e-6 * brightest);
+    }
+}
+
+// Which volume is named first does not matter, and neither does one that is not there.
+TEST(Levels, DoNotDependOnTheOrderOfVolumes) {
+    const ViewScene scene = ballInHaze(0.1);
+    ViewScene other = scene;
+    std::swap(other.volumes[0], other.volumes[1]);
+    EXPECT_LT(largestDifference(imageOf(scene), imageOf(other)), 1e-6);
+}
+
+// Shadows by lists: without the haze's own, light reaches the ball as if it were alone; of the ball's, the haze shows
+// nothing.
+TEST(Levels, KeepShadowsOfListedVolumesApart) {
+    ViewScene scene = ballInHaze(0.1);
+    scene.volumes[0].shadows = {false};
+    expectConvergence(scene, 100, 0.8, 0.01, "haze");
+    scene.volumes[0].shadows.clear();
+    scene.volumes[1].shadows = {false};
+    expectConvergence(scene, 100, 0.8, 0.01, "ball");
+}
+
+TEST(Levels, HoldOutWhatIsBehind) {
+    ViewScene scene = ballInHaze(0.1);
+    scene.volumes[1].holdout = true;
+    expectConvergence(scene, 100, 0.8, 0.012);
+}
+
+TEST(Levels, SumTheWorkOfTheirParts) {
+    ViewScene scene = ballInHaze(0.05), haze = scene, ball = scene;
+    haze.volumes.pop_back();
+    ball.volumes.erase(ball.volumes.begin());
+    ball.volumes[0].place = 0;
+    const auto samples = [](const ViewScene& s) { return double(renderScene(s).work.shade.samples); };
+    // Where the ball is seen, pixels walk its sheets through those of the haze that it is in.
+    EXPECT_LT(samples(scene), 4 * (samples(haze) + samples(ball)));
+}
+
+}  // namespace
+}  // namespace scrim::test
