@@ -106,11 +106,11 @@ FieldPointer withRamp(const SparseField& field, const Ramp& ramp) {
 
 namespace {
 
-// A block or tile that hardly shows: the most optical depth that any ray has in it.
+// A block or tile in which no ray has much optical depth.
 struct Faint {
     Bounds is;
     std::size_t number;  // of the block, or, beyond them, of the tile
-    double depth;
+    double mass;         // optical depth integrated over the area across rays, squares of a voxel's edge
 };
 
 Bounds boundsOf(const Int3& origin, int edge) {
@@ -133,9 +133,9 @@ FieldPointer withoutStrays(const FieldPointer& field, double extinction) {
     if (field->empty() || double(field->activeVoxels) > kSparse * volumeOf(all)) return field;
     std::vector<Faint> faint;
     Bounds rest;
-    const auto sort = [&](const Int3& origin, int edge, std::size_t number, double depth) {
-        if (depth < kFaint)
-            faint.push_back({boundsOf(origin, edge), number, depth});
+    const auto sort = [&](const Int3& origin, int edge, std::size_t number, double most, double sum) {
+        if (extinction * kDiagonal * std::min(edge * most, sum) < kFaint)
+            faint.push_back({boundsOf(origin, edge), number, extinction * sum});
         else
             rest.include(boundsOf(origin, edge));
     };
@@ -145,11 +145,12 @@ FieldPointer withoutStrays(const FieldPointer& field, double extinction) {
             most = std::max(most, double(field->block(b)[i]));
             sum += double(field->block(b)[i]);
         }
-        sort(field->blockOrigins[b], kBlockEdge, b, extinction * kDiagonal * std::min(kBlockEdge * most, sum));
+        sort(field->blockOrigins[b], kBlockEdge, b, most, sum);
     }
     for (std::size_t t = 0; t < field->tiles.size(); ++t) {
         const ConstantTile& tile = field->tiles[t];
-        sort(tile.origin, tile.edge, field->blockCount() + t, extinction * kDiagonal * tile.edge * double(tile.value));
+        sort(tile.origin, tile.edge, field->blockCount() + t, double(tile.value),
+             double(tile.value) * std::pow(double(tile.edge), 3));
     }
     if (rest.empty()) return field;
     // The farthest go first, as long as all of them together take little of the light on the smallest face of the rest.
@@ -162,8 +163,7 @@ FieldPointer withoutStrays(const FieldPointer& field, double extinction) {
     std::vector<bool> dropped(field->blockCount() + field->tiles.size(), false);
     double lost = 0;
     for (const Faint& f : faint) {
-        const double edge = f.is.size().x + 1;
-        lost += f.depth * std::min(1.0, edge * edge / face);
+        lost += f.mass / face;
         if (lost > kMostLost || rest.contains(f.is.center())) break;
         dropped[f.number] = true;
     }

