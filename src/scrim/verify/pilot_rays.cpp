@@ -3,7 +3,6 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
-#include <scrim/engine/plan/levels.h>
 #include <scrim/scene/light_at.h>
 #include <scrim/scene/optics.h>
 
@@ -89,7 +88,7 @@ class PilotScene {
         }
         if (like != nullptr) m_bounds = like->m_bounds;
         sortIntoCells();
-        m_voxel = like != nullptr ? like->m_voxel : dialUnit(scene);
+        m_voxel = like != nullptr ? like->m_voxel : voxelUnit(scene);
         chooseSteps(like);
         for (const Light& light : scene.lights) m_lights.push_back({&light, glm::dot(light.intensity, Rgb(1.0 / 3))});
         std::stable_sort(m_lights.begin(), m_lights.end(),
@@ -156,13 +155,9 @@ class PilotScene {
             }
             return;
         }
-        double most = 0, least = kFar;
-        for (const PilotVolume& volume : m_volumes) {
-            most = std::max(most, volume.step);
-            least = std::min(least, volume.step);
-        }
-        const double step = kStep * m_voxel;
-        m_even = (most <= kAlike * step && least >= step / kAlike) || m_volumes.size() > kMany;
+        double most = 0;
+        for (const PilotVolume& volume : m_volumes) most = std::max(most, volume.step);
+        m_even = most <= kAlike * kStep * m_voxel || m_volumes.size() > kMany;
     }
     // Calls visit(t, length) for the steps of a ray, each as long as the finest volume there asks for, until it returns
     // false. Nothing is visited outside of all volumes.

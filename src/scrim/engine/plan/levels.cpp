@@ -12,18 +12,10 @@ namespace scrim {
 namespace {
 
 double voxelOf(const ViewVolume& volume) {
-    constexpr double kFlattest = 8;
-    double unit = std::numeric_limits<double>::infinity();
-    for (const ViewField& field : fieldsOf(volume)) {
-        double least = std::numeric_limits<double>::infinity(), most = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double edge = glm::length(Vec3(field.wsFromIs[axis]));
-            least = std::min(least, edge);
-            most = std::max(most, edge);
-        }
-        unit = std::min(unit, volume.classified ? least : std::max(least, most / kFlattest));
-    }
-    return unit;
+    double edge = std::numeric_limits<double>::infinity();
+    for (const ViewField& field : fieldsOf(volume))
+        for (int axis = 0; axis < 3; ++axis) edge = std::min(edge, glm::length(Vec3(field.wsFromIs[axis])));
+    return edge;
 }
 
 // Surfaces, solids' shadows, deep samples and motion are computed on one lattice.
@@ -34,19 +26,13 @@ bool oneLattice(const ViewScene& scene) {
 
 }  // namespace
 
-double dialUnit(const ViewScene& scene) {
-    double unit = std::numeric_limits<double>::infinity();
-    for (const ViewVolume& volume : scene.volumes) unit = std::min(unit, voxelOf(volume));
-    return std::isfinite(unit) ? unit : 1.0;
-}
-
 std::vector<VolumeLevel> volumeLevels(const ViewScene& scene) {
     constexpr int kOctaves = 1;  // of voxels that share sheets
     // Pixels that walk the sheets of one level instead of a sheet of the one before walk at most so many. Levels
     // without volumes come between others where there would be more.
     constexpr double kMostStep = 8;
     const std::vector<bool> all(scene.volumes.size(), true);
-    const double finest = dialUnit(scene);
+    const double finest = voxelUnit(scene);
     if (oneLattice(scene)) return {{finest, all, all}};
     std::map<int, std::vector<std::size_t>> byOctave;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v)

@@ -11,11 +11,6 @@
 
 namespace scrim {
 
-/// The unit of the dials `texel` and `sheet_thickness`, world units: the smallest edge of any voxel (voxelUnit), but of
-/// media not less than an eighth of the longest edge. Of flat voxels, sheets across their short edge may be thicker
-/// than that: what lies within a sheet is added up, and it differs little along the other edges.
-double dialUnit(const ViewScene& scene);
-
 /// Volumes with sheets of their own.
 struct VolumeLevel {
     double voxel = 1;           ///< the unit of the dials, world units; those of two levels differ by a power of two

@@ -385,7 +385,7 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     Plan plan;
     plan.threads = threads;
     plan.simd = Simd(given.dials.simd);
-    plan.voxel = dialUnit(given);
+    plan.voxel = voxelUnit(given);
     plan.region = supersampled(given.region, given.dials.antialias);
     plan.perView = given.dials.splat == SplatMode::perView;
     const std::vector<Vec3> corners = wsCorners(given);
