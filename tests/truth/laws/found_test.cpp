@@ -170,6 +170,25 @@ TEST(FoundByLaws, CropsOfOpaqueVolumesHaveTheBitsOfTheWhole) {
         }
 }
 
+// The axis of sheets followed a crop of a picture with overscan, so that all of its pixels changed.
+TEST(FoundByLaws, CropsOfPicturesWithOverscanHaveTheBitsOfTheWhole) {
+    ViewScene scene = ballScene(0.5, 0.9);
+    scene.camera.type = CameraType::perspective;
+    scene.camera.wsPosition = {3, 4, 24};
+    scene.camera.wsFromCamera = lookAt(scene.camera.wsPosition, Vec3(0), {0, 1, 0});
+    scene.camera.fov = 30;
+    scene.lights = {distantLight({-1, -0.5, -0.7}, 2)};
+    const Int2 size = scene.camera.resolution;
+    scene.region = scene.picture = {-6, -6, size.x + 6, size.y + 6};
+    const Image whole = renderScene(scene).image;
+    scene.region = {-6, 5, 30, size.y + 2};
+    const Image crop = renderScene(scene).image;
+    for (int y = scene.region.y0; y < scene.region.y1; ++y)
+        for (int x = scene.region.x0; x < scene.region.x1; ++x)
+            for (std::size_t c = 0; c < 4; ++c)
+                ASSERT_EQ(crop.rgba[crop.indexOf(x, y) + c], whole.rgba[whole.indexOf(x, y) + c]) << x << "," << y;
+}
+
 // A box behind smoke of a narrow phase function is seen through it with its edges; sub-lights showed as dots.
 TEST(FoundByLaws, NarrowLobesShowWideLightsAsBruteForceDoes) {
     Light box = lamp({2, 3, -24}, 1);
