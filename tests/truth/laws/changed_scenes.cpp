@@ -74,6 +74,18 @@ ViewScene withLights(const ViewScene& scene, const std::vector<std::size_t>& lig
     return out;
 }
 
+ViewScene reversed(const ViewScene& scene) {
+    ViewScene out = scene;
+    // Volumes keep their names in the scene, which are places.
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) out.volumes[v].place = placeOf(scene, v);
+    out.volumeCount = placesOf(scene);
+    for (ViewVolume& volume : out.volumes)
+        for (std::vector<bool>* list : {&volume.lights, &volume.shadows}) std::reverse(list->begin(), list->end());
+    std::reverse(out.volumes.begin(), out.volumes.end());
+    std::reverse(out.lights.begin(), out.lights.end());
+    return out;
+}
+
 ViewScene withoutOtherLight(ViewScene scene) {
     scene.ambient = Rgb(0);
     for (ViewVolume& volume : scene.volumes) volume.emission.clear();

@@ -11,6 +11,8 @@ namespace scrim::test {
 
 /// The scene with only these of its lights, in this order; one may be there twice.
 ViewScene withLights(const ViewScene& scene, const std::vector<std::size_t>& lights);
+/// With volumes and lights from the last to the first.
+ViewScene reversed(const ViewScene& scene);
 /// Without ambient light and emission.
 ViewScene withoutOtherLight(ViewScene scene);
 /// With `factor` times the density and emission of volume `v`.
