@@ -2,7 +2,9 @@
 // What drawn scenes have found: each a law, in the plainest scene that once broke it.
 #include "support/fields.h"
 #include "support/meshes.h"
+#include "support/slides.h"
 
+#include <scrim/image/sky_parts.h>
 #include <scrim/verify/verify.h>
 
 #include <gtest/gtest.h>
@@ -187,6 +189,24 @@ TEST(FoundByLaws, CropsOfPicturesWithOverscanHaveTheBitsOfTheWhole) {
         for (int x = scene.region.x0; x < scene.region.x1; ++x)
             for (std::size_t c = 0; c < 4; ++c)
                 ASSERT_EQ(crop.rgba[crop.indexOf(x, y) + c], whole.rgba[whole.indexOf(x, y) + c]) << x << "," << y;
+}
+
+// Suns in the picture of a sky take sweeps while the rest of it is on cells, and volumes held them back that cast no
+// shadow in the sky.
+TEST(FoundByLaws, VolumesThatCastNoShadowInASkyCastNoneInItsSuns) {
+    ViewScene scene = ballScene(0.5, 0.9);
+    Light sky = whiteDome();
+    sky.shadow = ShadowMethod::cells;
+    sky.slide.emplace();
+    sky.slide->image = makeTexture(24, 12, [](int x, int y) { return Rgb(x == 8 && y == 3 ? 400 : 1); });
+    sky.slide->parts = std::make_shared<const SkyParts>(skyParts(*sky.slide->image));
+    ASSERT_EQ(sky.slide->parts->suns.size(), 1u);
+    ViewScene open = scene;
+    scene.lights = {sky};
+    scene.volumes[0].shadows = {false};
+    sky.shadows = false;
+    open.lights = {sky};
+    EXPECT_LT(furthest(renderScene(scene).image, renderScene(open).image), 1e-5);
 }
 
 // A box behind smoke of a narrow phase function is seen through it with its edges; sub-lights showed as dots.
