@@ -557,6 +557,7 @@ Broken buffersAndCellsAgree(const DrawnScene& drawn, Draws& d) {
     }
     std::erase_if(scene.volumes, [](const ViewVolume& volume) { return volume.classified != nullptr; });
     require(!scene.volumes.empty());
+    thin(scene);
     ViewScene cells = scene;
     cells.lights.front().shadow = ShadowMethod::cells;
     require(!planOf(cells).cellLights.lights.empty());
