@@ -60,6 +60,10 @@ void moveLight(Light& light, double scale, const Mat3& axes, const std::function
 
 }  // namespace
 
+std::shared_ptr<const Solids> coloured(const std::shared_ptr<const Solids>& solids) {
+    return changedSolids(solids, [](Solid& solid) { solid.albedo *= Rgb(1, 0.6, 0.2); });
+}
+
 ViewScene withLights(const ViewScene& scene, const std::vector<std::size_t>& lights) {
     ViewScene out = scene;
     out.lights.clear();

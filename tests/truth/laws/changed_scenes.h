@@ -23,6 +23,8 @@ void scaleDensity(ViewVolume& volume, double factor);
 ViewScene movedScene(const ViewScene& scene, double scale, const Mat3& axes, const Vec3& shift);
 /// Red in place of blue, and blue in place of red, in all that has a colour.
 ViewScene exchanged(const ViewScene& scene);
+/// Solids that send back most of red and least of blue; null if `solids` is.
+std::shared_ptr<const Solids> coloured(const std::shared_ptr<const Solids>& solids);
 /// With texels, sheets and cells of half the size, and with twice as many points and directions.
 ViewScene refined(ViewScene scene);
 /// The picture from right to left.

@@ -425,7 +425,8 @@ Broken theWorldMayMove(const DrawnScene& drawn, Draws& d) {
 // Each colour has passes and solves of its own, which end when that colour is done, so the rounding of sums is all that
 // may differ.
 Broken channelsMayBeExchanged(const DrawnScene& drawn, Draws&) {
-    const ViewScene scene = settled(plain(drawn));
+    ViewScene scene = settled(plain(drawn));
+    scene.solids = coloured(scene.solids);
     return same(exchanged(rendered(exchanged(scene)).image), rendered(scene).image, kRounding);
 }
 
@@ -558,6 +559,8 @@ Broken buffersAndCellsAgree(const DrawnScene& drawn, Draws& d) {
     std::erase_if(scene.volumes, [](const ViewVolume& volume) { return volume.classified != nullptr; });
     require(!scene.volumes.empty());
     thin(scene);
+    const auto volumes = static_cast<int>(scene.volumes.size());
+    if (volumes > 1 && d.once(0.7)) scene.volumes[std::size_t(d.below(volumes))].shadows = {false};
     ViewScene cells = scene;
     cells.lights.front().shadow = ShadowMethod::cells;
     require(!planOf(cells).cellLights.lights.empty());
@@ -661,7 +664,11 @@ Broken deepIsFlat(const DrawnScene& drawn, Draws& d) {
             for (std::size_t c = 0; c < 4; ++c)
                 flat.rgba[flat.indexOf(x, y) + c] = curve.empty() ? 0 : curve.back().shown[c];
         }
-    return same(flat, frame.image, kRounding);
+    // The part of a sample that is held out is a byte for each colour, rounded once when it is stored, and once when
+    // samples are merged. Where extinction has one colour, it has 24 bits.
+    constexpr double kByte = 1.0 / 255;
+    const bool bytes = holdsOut(scene) && makePlan(scene, 1).extinction.coloured;
+    return same(flat, frame.image, kRounding + (bytes ? kByte : 0));
 }
 
 Broken bits(const Image& a, const Image& b, const char* what) {
@@ -728,7 +735,7 @@ const std::vector<Law>& laws() {
         {"halfTheDensityTwice", halfTheDensityTwice, 0.7},
         {"nothingChangesNothing", nothingChangesNothing, 0.7},
         {"theWorldMayMove", theWorldMayMove, 0.7, {"light.decay.none"}},
-        {"channelsMayBeExchanged", channelsMayBeExchanged, 0.7, {"medium.scattering.full", "mesh.albedo"}},
+        {"channelsMayBeExchanged", channelsMayBeExchanged, 0.7, {"medium.scattering.full", "mesh.shadows"}},
         {"orderDoesNotMatter", orderDoesNotMatter, 0.6, {"volume.shadows"}},
         {"listsSayWhatSwitchesSay", listsSayWhatSwitchesSay, 0.7},
         {"whiteFurnace", whiteFurnace, 0.9},
@@ -737,7 +744,8 @@ const std::vector<Law>& laws() {
         {"fullAndSingleAgreeNearBlack", fullAndSingleAgreeNearBlack, 0.7},
         {"wideLightIsItsPoints", wideLightIsItsPoints, 0.2},
         {"deepIsFlat", deepIsFlat, 0.7},
-        {"partsHaveTheBitsOfTheWhole", partsHaveTheBitsOfTheWhole, 0.7},
+        {"partsHaveTheBitsOfTheWhole", partsHaveTheBitsOfTheWhole, 0.25},  // three laws in one
+
         {"moreDensityHidesMore", moreDensityHidesMore, 0.6}};
     return all;
 }
