@@ -61,7 +61,7 @@ void moveLight(Light& light, double scale, const Mat3& axes, const std::function
 }  // namespace
 
 std::shared_ptr<const Solids> coloured(const std::shared_ptr<const Solids>& solids) {
-    return changedSolids(solids, [](Solid& solid) { solid.albedo *= Rgb(1, 0.6, 0.2); });
+    return changedSolids(solids, [](Solid& solid) { solid.albedo = Rgb(0.9, 0.5, 0.2); });
 }
 
 ViewScene withLights(const ViewScene& scene, const std::vector<std::size_t>& lights) {

@@ -745,7 +745,6 @@ const std::vector<Law>& laws() {
         {"wideLightIsItsPoints", wideLightIsItsPoints, 0.2},
         {"deepIsFlat", deepIsFlat, 0.7},
         {"partsHaveTheBitsOfTheWhole", partsHaveTheBitsOfTheWhole, 0.25},  // three laws in one
-
         {"moreDensityHidesMore", moreDensityHidesMore, 0.6}};
     return all;
 }
