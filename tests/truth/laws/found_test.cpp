@@ -209,6 +209,32 @@ TEST(FoundByLaws, VolumesThatCastNoShadowInASkyCastNoneInItsSuns) {
     EXPECT_LT(furthest(renderScene(scene).image, renderScene(open).image), 1e-5);
 }
 
+// Solids blocked skies in which nothing casts a shadow.
+TEST(FoundByLaws, SolidsBlockNoSkyWithoutShadows) {
+    ViewScene scene = ballScene(0.5, 0.9);
+    Light open = whiteDome();
+    open.shadow = ShadowMethod::cells;
+    open.shadows = false;
+    scene.lights = {open};
+    const Image without = renderScene(scene).image;
+    ViewScene solid = scene;
+    solid.solids = oneSolid(squareMesh({0, -4, 0}, {0, 1, 0}, 40), false);
+    EXPECT_LT(furthest(renderScene(solid).image, without), 1e-5);
+    // The volume casts no shadow in either light, so that solids alone tell them apart.
+    Light blocked = open;
+    blocked.shadows = true;
+    solid.lights = {blocked};
+    solid.volumes[0].shadows = {false};
+    const Image dark = renderScene(solid).image;
+    solid.lights = {blocked, open};
+    solid.volumes[0].shadows = {false, true};
+    Image sum = without;
+    for (std::size_t i = 0; i < sum.rgba.size(); ++i)
+        if (i % 4 != 3) sum.rgba[i] += dark.rgba[i];
+    EXPECT_LT(furthest(renderScene(solid).image, sum), 1e-4);
+    EXPECT_GT(furthest(dark, without), 0.1);
+}
+
 // A box behind smoke of a narrow phase function is seen through it with its edges; sub-lights showed as dots.
 TEST(FoundByLaws, NarrowLobesShowWideLightsAsBruteForceDoes) {
     Light box = lamp({2, 3, -24}, 1);
