@@ -17,6 +17,8 @@ ViewScene reversed(const ViewScene& scene);
 ViewScene withoutOtherLight(ViewScene scene);
 /// With `factor` times the density and emission of volume `v`.
 void scaleDensity(ViewVolume& volume, double factor);
+/// In a picture twice as wide, with copies of the first volume on both sides of it: sheets of more tiles.
+ViewScene inARow(ViewScene scene);
 /// The whole scene under p -> scale * (axes p) + shift, with what makes it look the same: extinction and emission over
 /// `scale`, intensities of lamps times its square. `axes` is orthonormal; if it is left-handed, the picture is mirrored
 /// from left to right.

@@ -684,6 +684,7 @@ Broken bits(const Image& a, const Image& b, const char* what) {
 Broken partsHaveTheBitsOfTheWhole(const DrawnScene& drawn, Draws& d) {
     ViewScene scene = plain(drawn);
     scene.layers = drawn.view.layers;
+    if (!scene.volumes.empty() && d.once(0.5)) scene = inARow(scene);
     const Image whole = rendered(scene).image;
     const PixelWindow& w = scene.region;
     ViewScene part = scene;
