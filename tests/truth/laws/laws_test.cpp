@@ -24,7 +24,7 @@ std::uint64_t numberOf(const char* name, std::uint64_t otherwise) {
     return text ? std::strtoull(text, nullptr, 10) : otherwise;
 }
 
-// Two laws a scene. What is broken is made as plain as possible before it is shown.
+// Three laws a scene. What is broken is made as plain as possible before it is shown.
 TEST(DrawnScenes, ObeyTheirLaws) {
     const std::uint64_t first = numberOf("SCRIM_LAWS_SEED", 1), count = numberOf("SCRIM_LAWS_COUNT", 200);
     const bool shrink = numberOf("SCRIM_LAWS_SHRINK", 1) != 0;
@@ -35,7 +35,7 @@ TEST(DrawnScenes, ObeyTheirLaws) {
     const auto work = [&] {
         Coverage own;
         for (std::uint64_t i = next++; i < count; i = next++) {
-            if (const std::optional<BrokenLaw> found = checkSeed(first + i, 2, own)) {
+            if (const std::optional<BrokenLaw> found = checkSeed(first + i, 3, own)) {
                 const BrokenLaw least = shrink ? shrunk(*found) : *found;
                 const std::lock_guard lock(mutex);
                 broken[found->seed] = least;
