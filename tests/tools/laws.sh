@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# laws.sh SEED COUNT [BUILD]: draws COUNT scenes from SEED on, and checks two laws of tests/truth/laws in each. Prints
-# what was checked, which frequent pairs of keys and kinds no scene had, and what breaks a law, as plain as it can be.
+# laws.sh SEED COUNT [BUILD]: draws COUNT scenes from SEED on, and checks three laws of tests/truth/laws in each.
+# Prints what was checked, which frequent pairs of keys and kinds no scene had, and what breaks a law, as plain as it
+# can be.
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
 if [ $# -lt 2 ]; then

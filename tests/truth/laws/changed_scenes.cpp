@@ -5,8 +5,10 @@
 #include <scrim/image/sky_parts.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
 
 namespace scrim::test {
 namespace {
@@ -28,6 +30,12 @@ std::shared_ptr<const Solids> changedSolids(const std::shared_ptr<const Solids>&
     std::vector<Solid> all = solids->all();
     for (Solid& solid : all) change(solid);
     return std::make_shared<const Solids>(std::move(all));
+}
+
+void moveVolume(ViewVolume& volume, const Mat4& ws) {
+    volume.wsFromIs = ws * volume.wsFromIs;
+    for (ViewField& field : volume.scatter) field.wsFromIs = ws * field.wsFromIs;
+    for (ViewEmission& emission : volume.emission) emission.field.wsFromIs = ws * emission.field.wsFromIs;
 }
 
 void moveLight(Light& light, double scale, const Mat3& axes, const std::function<Vec3(const Vec3&)>& place,
@@ -60,6 +68,10 @@ void moveLight(Light& light, double scale, const Mat3& axes, const std::function
 
 }  // namespace
 
+std::shared_ptr<const Solids> coloured(const std::shared_ptr<const Solids>& solids) {
+    return changedSolids(solids, [](Solid& solid) { solid.albedo = Rgb(0.9, 0.5, 0.2); });
+}
+
 ViewScene withLights(const ViewScene& scene, const std::vector<std::size_t>& lights) {
     ViewScene out = scene;
     out.lights.clear();
@@ -71,6 +83,18 @@ ViewScene withLights(const ViewScene& scene, const std::vector<std::size_t>& lig
             list->clear();
             for (const std::size_t i : lights) list->push_back(all[i]);
         }
+    return out;
+}
+
+ViewScene reversed(const ViewScene& scene) {
+    ViewScene out = scene;
+    // Volumes keep their names in the scene, which are places.
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) out.volumes[v].place = placeOf(scene, v);
+    out.volumeCount = placesOf(scene);
+    for (ViewVolume& volume : out.volumes)
+        for (std::vector<bool>* list : {&volume.lights, &volume.shadows}) std::reverse(list->begin(), list->end());
+    std::reverse(out.volumes.begin(), out.volumes.end());
+    std::reverse(out.lights.begin(), out.lights.end());
     return out;
 }
 
@@ -95,9 +119,7 @@ ViewScene movedScene(const ViewScene& scene, double scale, const Mat3& axes, con
     Mat4 ws(axes * scale);
     ws[3] = glm::dvec4(shift, 1);
     for (ViewVolume& volume : out.volumes) {
-        volume.wsFromIs = ws * volume.wsFromIs;
-        for (ViewField& field : volume.scatter) field.wsFromIs = ws * field.wsFromIs;
-        for (ViewEmission& emission : volume.emission) emission.field.wsFromIs = ws * emission.field.wsFromIs;
+        moveVolume(volume, ws);
         if (volume.classified) {
             Classified look = *volume.classified;
             for (auto& [length, factor] : look.gradientRamp) length /= scale;
@@ -117,6 +139,24 @@ ViewScene movedScene(const ViewScene& scene, double scale, const Mat3& axes, con
         camera.shift.x = -camera.shift.x;
     }
     return out;
+}
+
+ViewScene inARow(ViewScene scene) {
+    constexpr double kApart = 16;  // voxels, as wide as a volume
+    Camera& camera = scene.camera;
+    camera.resolution.x *= 2;
+    camera.fov = 2 * glm::degrees(std::atan(2 * std::tan(glm::radians(0.5 * camera.fov))));
+    scene.region = scene.picture = {0, 0, camera.resolution.x, camera.resolution.y};
+    for (const double side : {-kApart, kApart}) {
+        ViewVolume copy = scene.volumes.front();
+        copy.name += side < 0 ? "left" : "right";
+        copy.place = static_cast<int>(scene.volumeCount++);
+        Mat4 ws(1.0);
+        ws[3] = glm::dvec4(side * voxelUnit(scene) * camera.wsFromCamera[0], 1);
+        moveVolume(copy, ws);
+        scene.volumes.push_back(std::move(copy));
+    }
+    return scene;
 }
 
 ViewScene exchanged(const ViewScene& scene) {

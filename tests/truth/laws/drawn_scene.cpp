@@ -75,7 +75,7 @@ void addCamera(Lines& out, Draws& d) {
     if (d.once(0.1)) out.add("pixel_aspect", d.logBetween(0.5, 2));
     if (d.once(0.1)) out.add("shift", d.word({"[0.1, 0]", "[-0.05, 0.2]"}));
     if (d.once(0.1)) out.add("overscan", 1 + d.below(9));
-    const int width = 48 + d.below(17), height = 48 + d.below(17);
+    const int width = 36 + d.below(13), height = 36 + d.below(13);
     out.add("resolution", fmt::format("[{}, {}]", width, height));
 }
 
@@ -148,7 +148,7 @@ void addVolume(Lines& out, Draws& d, std::size_t number, const std::vector<std::
     out.add("name", fmt::format("\"v{}\"", number));
     if (number > 0 || d.once(0.3)) addTransform(out, d, 0.8);
     if (d.once(0.15)) out.add("lights", names(d, lights.size()));
-    if (linked && d.once(0.5)) {
+    if (linked && d.once(0.7)) {
         const int kind = d.below(3);
         out.add("shadows", kind == 0 ? names(d, lights.size()) : kind == 1 ? "false" : "[]");
     }
@@ -190,7 +190,7 @@ void addMesh(Lines& out, Draws& d, std::size_t number) {
     out.add("holdout", !d.once(0.4));
     out.add("shadows", !d.once(0.3));
     if (d.once(0.2)) out.add("catch", true);
-    if (d.once(0.4)) out.add("albedo", d.colour());
+    if (d.once(0.7)) out.add("albedo", d.colour());
 }
 
 void addLight(Lines& out, Draws& d, std::size_t number, std::size_t meshes) {
@@ -200,7 +200,7 @@ void addLight(Lines& out, Draws& d, std::size_t number, std::size_t meshes) {
     out.addWord("type", type);
     out.add("color", d.colour());
     out.add("intensity", d.logBetween(1, 20));
-    if (d.once(0.2)) out.add("shadows", false);
+    if (d.once(0.12)) out.add("shadows", false);
     if (d.once(0.3)) out.addWord("shadow", d.word({"auto", "buffers", "cells"}));
     if (d.once(0.15)) out.add("group", "\"together\"");
     if (d.once(0.1)) out.add("exposure", d.between(0, -2));
@@ -232,7 +232,7 @@ void addLight(Lines& out, Draws& d, std::size_t number, std::size_t meshes) {
     }
     if (type == "point" || type == "spot" || type == "projector") {
         if (d.once(0.5)) out.add("radius", d.between(0, 0.4));
-        if (d.once(0.25)) out.addWord("decay", "none");
+        if (d.once(0.35)) out.addWord("decay", "none");
     }
     if (type == "spot") {
         out.add("cone", d.between(45, 120));
@@ -242,7 +242,7 @@ void addLight(Lines& out, Draws& d, std::size_t number, std::size_t meshes) {
         out.add("ies", "\"made.ies\"");
         if (type == "point") out.add("direction", d.direction());
     }
-    if ((type == "area" || type == "dome" || type == "distant") && d.once(0.5)) out.add("samples", d.of({24, 60, 6}));
+    if ((type == "area" || type == "dome" || type == "distant") && d.once(0.8)) out.add("samples", d.of({12, 24, 6}));
     if (!slide) return;
     out.add("slide.file", "\"made.png\"");
     if (type == "distant")
@@ -265,7 +265,7 @@ void addDials(Lines& out, Draws& d) {
     out.add("texel", texel);
     out.add("sheet_thickness", d.once(0.3) ? 1.5 : texel);
     out.add("light_error", d.of({0.02, 0.05}));
-    if (d.once(0.3)) out.add("footprint_steps", 16);
+    if (d.once(0.1)) out.add("footprint_steps", 16);
     if (d.once(0.2)) out.add("shadow_texel", d.of({1.0, 0.5, 2.0}));
     if (d.once(0.15)) out.add("max_slant", d.of({60.0, 30.0, 45.0, 75.0}));
     if (d.once(0.15)) out.add("cross_fade", d.of({2.0, 0.0, 10.0}));
@@ -278,7 +278,7 @@ void addDials(Lines& out, Draws& d) {
     if (d.once(0.15)) out.addWord("kernel", d.word({"linear", "gaussian", "bspline"}));
     if (d.once(0.1)) out.addWord("splat", "per-view");
     if (d.once(0.4)) out.addWord("shade", d.word({"pixel", "texel"}));
-    if (d.once(0.15)) out.addWord("sheets", "image-aligned");
+    if (d.once(0.08)) out.addWord("sheets", "image-aligned");
     if (d.once(0.1)) out.addWord("shadow_filter", "nearest");
     if (d.once(0.1)) out.addWord("shadow_plane", "image");
     if (d.once(0.1)) out.addWord("simd", d.word({"sse4", "avx2"}));
@@ -405,14 +405,14 @@ DrawnScene drawnScene(const std::vector<double>& numbers) {
         }
         return there;
     };
-    std::vector<std::size_t> volumes = present(firstVolume, kMostVolumes, 0.4);
+    std::vector<std::size_t> volumes = present(firstVolume, kMostVolumes, 0.5);
     if (volumes.empty()) volumes.push_back(firstVolume);
-    const std::vector<std::size_t> meshes = present(firstMesh, kMostMeshes, 0.25);
+    const std::vector<std::size_t> meshes = present(firstMesh, kMostMeshes, 0.3);
     const std::vector<std::size_t> lights = present(firstLight, kMostLights, 0.5);
     std::vector<std::string> lightNames;
     for (std::size_t i = 0; i < lights.size(); ++i) lightNames.push_back(fmt::format("l{}", i));
     addCamera(lines, d);
-    const bool linked = d.once(0.25);  // volumes that do not cast all shadows: not beside full scattering
+    const bool linked = d.once(0.35);  // volumes that do not cast all shadows: not beside full scattering
     const auto open = [&](std::size_t section) {
         d.enter(section);
         d.unit();  // its presence

@@ -63,7 +63,7 @@ class Draws {
         return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", x, y, z + (x == 0 && y == 0 && z == 0 ? 1 : 0));
     }
     std::string colour() {
-        if (once(0.5)) {
+        if (once(0.35)) {
             const double v = 1 - 0.9 * unit();
             return fmt::format("[{0:.4g}, {0:.4g}, {0:.4g}]", v);
         }

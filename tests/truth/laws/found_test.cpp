@@ -2,7 +2,9 @@
 // What drawn scenes have found: each a law, in the plainest scene that once broke it.
 #include "support/fields.h"
 #include "support/meshes.h"
+#include "support/slides.h"
 
+#include <scrim/image/sky_parts.h>
 #include <scrim/verify/verify.h>
 
 #include <gtest/gtest.h>
@@ -168,6 +170,69 @@ TEST(FoundByLaws, CropsOfOpaqueVolumesHaveTheBitsOfTheWhole) {
                         ASSERT_EQ(crop.rgba[crop.indexOf(x, y) + c], whole.rgba[whole.indexOf(x, y) + c])
                             << x << "," << y << " shade " << int(shade) << " batches of " << sheets;
         }
+}
+
+// The axis of sheets followed a crop of a picture with overscan, so that all of its pixels changed.
+TEST(FoundByLaws, CropsOfPicturesWithOverscanHaveTheBitsOfTheWhole) {
+    ViewScene scene = ballScene(0.5, 0.9);
+    scene.camera.type = CameraType::perspective;
+    scene.camera.wsPosition = {3, 4, 24};
+    scene.camera.wsFromCamera = lookAt(scene.camera.wsPosition, Vec3(0), {0, 1, 0});
+    scene.camera.fov = 30;
+    scene.lights = {distantLight({-1, -0.5, -0.7}, 2)};
+    const Int2 size = scene.camera.resolution;
+    scene.region = scene.picture = {-6, -6, size.x + 6, size.y + 6};
+    const Image whole = renderScene(scene).image;
+    scene.region = {-6, 5, 30, size.y + 2};
+    const Image crop = renderScene(scene).image;
+    for (int y = scene.region.y0; y < scene.region.y1; ++y)
+        for (int x = scene.region.x0; x < scene.region.x1; ++x)
+            for (std::size_t c = 0; c < 4; ++c)
+                ASSERT_EQ(crop.rgba[crop.indexOf(x, y) + c], whole.rgba[whole.indexOf(x, y) + c]) << x << "," << y;
+}
+
+// Suns in the picture of a sky take sweeps while the rest of it is on cells, and volumes held them back that cast no
+// shadow in the sky.
+TEST(FoundByLaws, VolumesThatCastNoShadowInASkyCastNoneInItsSuns) {
+    ViewScene scene = ballScene(0.5, 0.9);
+    Light sky = whiteDome();
+    sky.shadow = ShadowMethod::cells;
+    sky.slide.emplace();
+    sky.slide->image = makeTexture(24, 12, [](int x, int y) { return Rgb(x == 8 && y == 3 ? 400 : 1); });
+    sky.slide->parts = std::make_shared<const SkyParts>(skyParts(*sky.slide->image));
+    ASSERT_EQ(sky.slide->parts->suns.size(), 1u);
+    ViewScene open = scene;
+    scene.lights = {sky};
+    scene.volumes[0].shadows = {false};
+    sky.shadows = false;
+    open.lights = {sky};
+    EXPECT_LT(furthest(renderScene(scene).image, renderScene(open).image), 1e-5);
+}
+
+// Solids blocked skies in which nothing casts a shadow.
+TEST(FoundByLaws, SolidsBlockNoSkyWithoutShadows) {
+    ViewScene scene = ballScene(0.5, 0.9);
+    Light open = whiteDome();
+    open.shadow = ShadowMethod::cells;
+    open.shadows = false;
+    scene.lights = {open};
+    const Image without = renderScene(scene).image;
+    ViewScene solid = scene;
+    solid.solids = oneSolid(squareMesh({0, -4, 0}, {0, 1, 0}, 40), false);
+    EXPECT_LT(furthest(renderScene(solid).image, without), 1e-5);
+    // The volume casts no shadow in either light, so that solids alone tell them apart.
+    Light blocked = open;
+    blocked.shadows = true;
+    solid.lights = {blocked};
+    solid.volumes[0].shadows = {false};
+    const Image dark = renderScene(solid).image;
+    solid.lights = {blocked, open};
+    solid.volumes[0].shadows = {false, true};
+    Image sum = without;
+    for (std::size_t i = 0; i < sum.rgba.size(); ++i)
+        if (i % 4 != 3) sum.rgba[i] += dark.rgba[i];
+    EXPECT_LT(furthest(renderScene(solid).image, sum), 1e-4);
+    EXPECT_GT(furthest(dark, without), 0.1);
 }
 
 // A box behind smoke of a narrow phase function is seen through it with its edges; sub-lights showed as dots.

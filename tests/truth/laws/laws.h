@@ -16,6 +16,10 @@ struct Law {
     std::string name;
     /// What is wrong, or nothing. Throws Skipped where the law says nothing about the scene, or would take too long.
     std::optional<std::string> (*check)(const DrawnScene& scene, Draws& draws);
+    /// The share of drawn scenes that it says something about, about: a rare law is asked of most of them.
+    double share = 1;
+    /// Scenes with all of these are asked more often.
+    std::vector<std::string> parts = {};
 };
 const std::vector<Law>& laws();
 
@@ -39,7 +43,7 @@ struct Coverage {
     std::string text() const;
 };
 
-/// Draws a scene by `seed`, and checks `count` laws that apply, chosen by the seed.
+/// Draws a scene by `seed`, and checks `count` laws that apply, chosen by the seed, rare ones sooner.
 std::optional<BrokenLaw> checkSeed(std::uint64_t seed, int count, Coverage& coverage);
 
 /// The same with the scene made as plain as possible while it still breaks the law.

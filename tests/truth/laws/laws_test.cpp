@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drawn scenes obey their laws. SCRIM_LAWS_SEED and SCRIM_LAWS_COUNT draw others (tests/tools/laws.sh).
+// SCRIM_LAWS_SHRINK=0 shows what is broken as it was drawn.
 #include "laws.h"
 
 #include <scrim/base/error.h>
@@ -23,9 +24,10 @@ std::uint64_t numberOf(const char* name, std::uint64_t otherwise) {
     return text ? std::strtoull(text, nullptr, 10) : otherwise;
 }
 
-// Two laws a scene. What is broken is made as plain as possible before it is shown.
+// Three laws a scene. What is broken is made as plain as possible before it is shown.
 TEST(DrawnScenes, ObeyTheirLaws) {
     const std::uint64_t first = numberOf("SCRIM_LAWS_SEED", 1), count = numberOf("SCRIM_LAWS_COUNT", 200);
+    const bool shrink = numberOf("SCRIM_LAWS_SHRINK", 1) != 0;
     Coverage all;
     std::map<std::uint64_t, BrokenLaw> broken;
     std::atomic<std::uint64_t> next{0};
@@ -33,8 +35,8 @@ TEST(DrawnScenes, ObeyTheirLaws) {
     const auto work = [&] {
         Coverage own;
         for (std::uint64_t i = next++; i < count; i = next++) {
-            if (const std::optional<BrokenLaw> found = checkSeed(first + i, 2, own)) {
-                const BrokenLaw least = shrunk(*found);
+            if (const std::optional<BrokenLaw> found = checkSeed(first + i, 3, own)) {
+                const BrokenLaw least = shrink ? shrunk(*found) : *found;
                 const std::lock_guard lock(mutex);
                 broken[found->seed] = least;
             }

@@ -5,6 +5,7 @@
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/composite/deep_rays.h>
 #include <scrim/engine/light/light_sweep.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/scene/slide_map.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/levels.h>
@@ -357,11 +358,12 @@ std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
                                                       sizeof(float);
 }
 
-// Shadow buffers need no channels for lights on cells, whichever volumes cast shadows in them.
+// Shadow buffers need no channels for lights on cells, whichever volumes cast shadows in them. The suns of a sky on
+// cells have buffers.
 ExtinctionChannels channelsOf(ViewScene scene, const CellLightPlan& cells) {
     for (ViewVolume& volume : scene.volumes) {
         for (std::size_t i = 0; i < volume.shadows.size(); ++i)
-            if (cells.has(i)) volume.shadows[i] = true;
+            if (cells.has(i) && sunsOfSky(scene, scene.lights[i]).empty()) volume.shadows[i] = true;
         if (std::count(volume.shadows.begin(), volume.shadows.end(), false) == 0) volume.shadows.clear();
     }
     return extinctionChannels(scene);

@@ -85,9 +85,7 @@ int addressable(double count, const std::string& what) {
 std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& corners) {
     const RayFamily rays = wsRays(scene.camera);
     // A crop does not count, because its pixels must equal those of the whole picture.
-    const PixelWindow everywhere{std::min(0, scene.region.x0), std::min(0, scene.region.y0),
-                                 std::max(scene.camera.resolution.x, scene.region.x1),
-                                 std::max(scene.camera.resolution.y, scene.region.y1)};
+    const PixelWindow everywhere = wholePicture(scene);
     EyePart whole;
     whole.window = everywhere;
     if (scene.camera.type == CameraType::orthographic) {

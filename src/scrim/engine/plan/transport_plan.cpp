@@ -17,6 +17,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -125,15 +126,16 @@ std::vector<bool> lightsInView(const ViewScene& scene) {
     return seen;
 }
 
-// The number of sets of volumes that cast shadows in these lights; with `media`, of those that cells need media for:
-// all volumes, and each set that holds light back.
+// The number of sets of volumes and solids that cast shadows in these lights; with `media`, of those that cells need
+// media for: all volumes, and each set of them that holds light back.
 std::size_t castingSets(const ViewScene& scene, const std::vector<int>& lights, bool media) {
-    std::set<std::vector<bool>> sets;
+    std::set<std::pair<std::vector<bool>, bool>> sets;
     for (const int i : lights)
-        if (!media || isHeldBack(scene, std::size_t(i))) sets.insert(castersIn(scene, std::size_t(i)));
+        if (!media || isHeldBack(scene, std::size_t(i)))
+            sets.emplace(castersIn(scene, std::size_t(i)), !media && isBlocked(scene, std::size_t(i)));
     std::vector<bool> all;
     for (const ViewVolume& volume : scene.volumes) all.push_back(!volume.field->empty());
-    if (media) sets.insert(all);
+    if (media) sets.emplace(all, false);
     return sets.size();
 }
 
@@ -256,8 +258,8 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan) {
     const double least = *std::min_element(plan.edges.begin(), plan.edges.end());
     const Vec3 cells = wsBounds(scene).size() / least + 2.0 * kCellEdge;
     const double colours = oneColour(scene) ? 1 : 3;
-    // Lights share fields unless layers, or the volumes that cast shadows in them, part them; lamps also have fields of
-    // their own, and where solids block them another one.
+    // Lights share fields unless layers, or what casts shadows in them, part them; lamps also have fields of their own,
+    // and where solids block them another one.
     const double stored = 2 * occupied(scene, 0.5 * least) / (least * least * least);
     double lamps = 0, near = 0;
     std::vector<int> apart;

@@ -75,6 +75,10 @@ inline bool isHeldBack(const ViewScene& scene, std::size_t light) {
     const std::vector<bool> casters = castersIn(scene, light);
     return std::find(casters.begin(), casters.end(), true) != casters.end();
 }
+/// Whether solids block the light of light `light`.
+inline bool isBlocked(const ViewScene& scene, std::size_t light) {
+    return scene.lights[light].shadows && solidsBlock(scene);
+}
 
 /// The corner at which cells begin. It is a corner of a voxel, so that cells of one voxel are the voxels, and their
 /// centres are where the field's values are. If cells are smaller, one in each voxel has its centre there, so that what

@@ -15,6 +15,7 @@
 #include <limits>
 #include <numbers>
 #include <thread>
+#include <tuple>
 
 #include <glm/geometric.hpp>
 
@@ -135,7 +136,7 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     ViewScene alone = scene;
     alone.lights.clear();
     for (const int i : lights) alone.lights.push_back(scene.lights[std::size_t(i)]);
-    out.blocked = solidsBlock(scene);
+    out.blocked = isBlocked(scene, std::size_t(lights.front()));
     for (Light& light : alone.lights) light.samples = pointsOnCells(scene, light);
     const SubLights all = subLights(alone);
     for (std::size_t i = 0; i < all.lights.size(); ++i)
@@ -304,16 +305,17 @@ struct Job {
     std::vector<WidePhase> wide = {};           // of `phase`, for each light of `sources`; empty: of a lamp
 };
 
-// Lights share a field unless layers, or the volumes that cast shadows in them, tell them apart. Lamps share one with
-// each other, and have small ones of their own.
+// Lights share a field unless layers, or the volumes and solids that cast shadows in them, tell them apart. Lamps share
+// one with each other, and have small ones of their own.
 std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector<int>& lights) {
     std::vector<int> lamps, others;
     for (const int light : lights)
         (isLampOnCells(scene, scene.lights[std::size_t(light)]) ? lamps : others).push_back(light);
     std::vector<std::vector<int>> groups;
-    std::map<std::pair<int, std::vector<bool>>, std::vector<int>> alike;
+    std::map<std::tuple<int, std::vector<bool>, bool>, std::vector<int>> alike;
     for (const int light : others)
-        alike[{wants(scene, Layer::light) ? lightOfLayer(scene, light) : 0, castersIn(scene, std::size_t(light))}]
+        alike[{wants(scene, Layer::light) ? lightOfLayer(scene, light) : 0, castersIn(scene, std::size_t(light)),
+               isBlocked(scene, std::size_t(light))}]
             .push_back(light);
     for (const auto& [key, some] : alike) groups.push_back(some);
     const bool together = lampsShareCells(scene);
@@ -502,7 +504,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
         for (Job& job : jobsOf(scene, group, grid, grey, all.emplace_back())) {
             bytes += job.field->bytes();
             if (job.far && (jobs.empty() || jobs.back().far != job.far)) bytes += job.far->bytes();
-            if (job.lamp && job.lamp->shadows && solidsBlock(scene)) job.open = std::make_shared<CellField>(grid, 1);
+            if (job.lamp && isBlocked(scene, std::size_t(job.first))) job.open = std::make_shared<CellField>(grid, 1);
             if (job.open) bytes += job.open->bytes();
             jobs.push_back(std::move(job));
         }
