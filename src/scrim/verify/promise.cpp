@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/promise.h>
 
+#include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/transport_plan.h>
@@ -292,7 +293,14 @@ void chooseCoarser(const std::function<ViewScene(double)>& atLod, ViewScene& sce
     double least = kClearly * roughSeconds(scene, out.dials);
     for (double exact = kFirst; exact <= kLast; exact *= kStep) {
         const double lod = std::round(100 * exact) / 100;  // easy to read and to type again
-        ViewScene tried = atLod(lod);
+        ViewScene tried;
+        try {
+            tried = atLod(lod);
+        } catch (const Error& error) {
+            // Coarser fields take memory beside the fine ones.
+            if (error.kind() != ErrorKind::memory) throw;
+            break;
+        }
         if (voxelsOf(tried) == voxels) continue;
         voxels = voxelsOf(tried);
         const double error = pilot.error(tried);
