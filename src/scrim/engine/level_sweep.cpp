@@ -16,11 +16,7 @@ namespace {
 
 struct Level {
     Level(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
-        : sheets(scene, plan, group), eye(supersampledCamera(scene), group.sheets, plan.simd) {}
-
-    static Camera supersampledCamera(const ViewScene& scene) {
-        return supersampled(scene.camera, scene.dials.antialias);
-    }
+        : sheets(scene, plan, group), eye(supersampled(scene.camera, scene.dials.antialias), group.sheets, plan.simd) {}
 
     LevelSheets sheets;
     EyeView eye;
@@ -73,10 +69,12 @@ class LevelSweep {
         for (int sheet = first; sheet < last && !ended();) {
             int count = 0;
             while (count < batch && sheet + count < last && !(level.finer && level.finer->any(sheet + count))) ++count;
-            if (count > 0)
-                walk(level, sheet, count, nullptr);
-            else
+            if (count > 0) {
+                enter(level, sheet, count);
+                composite(level, sheet, count, nullptr);
+            } else {
                 divide(number, sheet);
+            }
             sheet += std::max(count, 1);
             if (number == 0) m_progress(double(sheet - first) / (last - first));
         }
@@ -94,11 +92,6 @@ class LevelSweep {
         const auto at = [&](int n) { return static_cast<int>(std::lround(map.n(n))); };
         sweep(number + 1, std::max(at(sheet), needed.first), std::min(at(sheet + 1), needed.last));
         composite(level, sheet, 1, finer.data());
-    }
-
-    void walk(Level& level, int sheet, int count, const std::uint8_t* finer) {
-        enter(level, sheet, count);
-        composite(level, sheet, count, finer);
     }
 
     // Splats the sheets, and carries the lights through them.

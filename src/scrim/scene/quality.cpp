@@ -115,29 +115,23 @@ Dial shutterSamples() {
     return d;
 }
 
-// The edge of cells, in voxels, which is chosen where none is said.
-Dial cellEdge(std::string name, std::optional<double> Dials::*member, std::string meaning) {
+// A number from `low` to 64 that is chosen where none is said.
+Dial chosenNumber(std::string name, std::string unit, double low, std::optional<double> Dials::*member,
+                  std::string meaning) {
     Dial d;
     d.words = {"auto"};
-    d.info = {std::move(name), "voxels", "", "'auto', or a number from 0.25 to 64", std::move(meaning)};
-    d.allows = [](double v) { return v >= 0.25 && v <= 64; };
+    d.info = {std::move(name), std::move(unit), "", fmt::format("'auto', or a number from {:g} to 64", low),
+              std::move(meaning)};
+    d.allows = [=](double v) { return v >= low && v <= 64; };
     d.setNumber = [=](Dials& dials, double v) { dials.*member = v; };
     d.setWord = [=](Dials& dials, std::size_t) { (dials.*member).reset(); };
     d.get = [=](const Dials& dials) { return dials.*member ? text(*(dials.*member)) : std::string("auto"); };
     return d;
 }
 
-Dial lod() {
-    Dial d;
-    d.words = {"auto"};
-    d.info = {"lod", "pixels", "", "'auto', or a number from 0 to 64",
-              "size below which voxels are splatted from a coarser level of the grid; 0: never; auto: as large as the "
-              "error that the preset promises allows, or 0 where texel or sheet_thickness is given"};
-    d.allows = [](double v) { return v >= 0 && v <= 64; };
-    d.setNumber = [](Dials& dials, double v) { dials.lod = v; };
-    d.setWord = [](Dials& dials, std::size_t) { dials.lod.reset(); };
-    d.get = [](const Dials& dials) { return dials.lod ? text(*dials.lod) : std::string("auto"); };
-    return d;
+// The edge of cells.
+Dial cellEdge(std::string name, std::optional<double> Dials::*member, std::string meaning) {
+    return chosenNumber(std::move(name), "voxels", 0.25, member, std::move(meaning));
 }
 
 Dial scatterDirections() {
@@ -192,7 +186,10 @@ std::vector<Dial> makeDials() {
         "edge of the cells that keep the light of extended lights and of lamps within a volume; auto: 0.25 "
         "to 4 by the optical depth of a voxel and the size of the volumes, 0.7 of more than 1 for area lights, "
         "half for a light_error below 0.004; error of second order"));
-    all.push_back(lod());
+    all.push_back(chosenNumber(
+        "lod", "pixels", 0, &Dials::lod,
+        "size below which voxels are splatted from a coarser level of the grid; 0: never; auto: as large as the "
+        "error that the preset promises allows, or 0 where texel or sheet_thickness is given"));
     all.push_back(integer(
         "antialias", "rays a pixel's edge", "a whole number from 1 to 16", [](double v) { return v >= 1 && v <= 16; },
         &Dials::antialias, "n x n rays a pixel"));

@@ -108,7 +108,6 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
 
     const std::size_t tilesPerSheet = m_window.pixelCount();
     m_used.assign(tilesPerSheet * std::size_t(count), 0);
-    m_met.resize(std::size_t(rasterX) * std::size_t(rasterY));
     for (int s = 0; s < count; ++s) {
         if (!m_view.reaches(firstSheet + s)) continue;
         for (int ty = 0; ty < tilesY; ++ty)
@@ -117,9 +116,16 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
                 for (int y = rows(s)[ty].first; y <= rows(s)[ty].last; ++y)
                     for (int x = columns(s)[tx].first; x <= columns(s)[tx].last; ++x)
                         m_used[std::size_t(s) * tilesPerSheet +
-                               std::size_t((y - m_window.y0) * m_window.width() + x - m_window.x0)] =
-                            m_met[std::size_t(y) * std::size_t(rasterX) + std::size_t(x)] = 1;
+                               std::size_t((y - m_window.y0) * m_window.width() + x - m_window.x0)] = 1;
             }
+    }
+    if (!m_anywhere) return;
+    m_met.resize(std::size_t(rasterX) * std::size_t(rasterY));
+    for (std::size_t tile = 0; tile < m_used.size(); ++tile) {
+        if (m_used[tile] == 0) continue;
+        const auto at = static_cast<int>(tile % tilesPerSheet);
+        const int x = m_window.x0 + at % m_window.width(), y = m_window.y0 + at / m_window.width();
+        m_met[std::size_t(y) * std::size_t(rasterX) + std::size_t(x)] = 1;
     }
 }
 

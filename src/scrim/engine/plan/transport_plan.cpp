@@ -309,8 +309,8 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     // Small voxels in a large scene ask for cells that no memory holds. Larger ones blur the shadows of what is small;
     // hundreds of shadow buffers would take hours.
     constexpr double kLess = 0.25;  // of the memory, since much of it takes time, too
-    while (bytes > (plan.coarser > 1 ? kLess : 1) * most && plan.coarser < kMostCoarser && !scene.dials.lightCell &&
-           volumeLevels(scene).size() > 1) {
+    const bool mayGrow = !scene.dials.lightCell && bytes > most && volumeLevels(scene).size() > 1;
+    while (mayGrow && bytes > (plan.coarser > 1 ? kLess : 1) * most && plan.coarser < kMostCoarser) {
         plan.coarser *= kStep;
         for (double& edge : plan.edges) edge *= kStep;
         bytes = cellBytes(scene, plan);
