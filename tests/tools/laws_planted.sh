@@ -53,8 +53,8 @@ plant() { # NAME FILE CODE PLANTED
 # column.
 plant lights engine/light/light_sweep.cpp 'out.decay = light.point().decay;' 'out.decay = true;'
 plant linking engine/model/plan.cpp 'litBy(shadows[i], light)' 'litBy(shadows[0], light)'
-plant walls engine/transport/light_sources.cpp 'firstOfSide(side)[colour]' 'firstOfSide(side)[0]'
-plant cells engine/transport/light_cells.cpp 'wsCorner, margin, false, casters)' 'wsCorner, margin, false, {})'
+plant walls engine/solve/first_light.cpp 'firstOfSide(side)[colour]' 'firstOfSide(side)[0]'
+plant cells engine/passes/light_cells.cpp 'wsCorner, margin, false, casters)' 'wsCorner, margin, false, {})'
 plant tiles engine/model/plan.cpp 'all.include(sheets[n]);' \
     'all.include(Box2<int>{sheets[n].x0, sheets[n].y0, sheets[n].x1 - 1, sheets[n].y1});'
 exit $missed

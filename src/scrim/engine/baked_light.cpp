@@ -10,7 +10,7 @@
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
 #include <scrim/engine/splat/plane_stack.h>
-#include <scrim/engine/transport/scattered_light.h>
+#include <scrim/engine/solve/scattered_light.h>
 #include <scrim/scene/field_rays.h>
 #include <scrim/volume/block_index.h>
 

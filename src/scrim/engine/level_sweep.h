@@ -7,7 +7,7 @@
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
-#include <scrim/engine/transport/cell_field.h>
+#include <scrim/engine/lamps/cell_light.h>
 #include <scrim/scene/view_scene.h>
 
 #include <functional>

@@ -9,8 +9,8 @@
 #include <scrim/engine/level_sweep.h>
 #include <scrim/engine/light/solid_shadow.h>
 #include <scrim/engine/shade/sheet_shader.h>
-#include <scrim/engine/transport/light_cells.h>
-#include <scrim/engine/transport/scattered_light.h>
+#include <scrim/engine/passes/light_cells.h>
+#include <scrim/engine/solve/scattered_light.h>
 
 #include <algorithm>
 #include <chrono>

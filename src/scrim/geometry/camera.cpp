@@ -62,6 +62,13 @@ double pixelAt(const Camera& camera, double distance) {
                                                    : glm::length(rays.directionX) * distance;
 }
 
+Vec3 travelToEye(const Camera& camera, const Vec3& ws) {
+    if (camera.type == CameraType::orthographic) return -viewingAxis(camera);
+    const Vec3 way = camera.wsPosition - ws;
+    const double length = glm::length(way);
+    return length > 0 ? way / length : -viewingAxis(camera);
+}
+
 Camera supersampled(Camera camera, int n) {
     camera.resolution *= n;
     return camera;

@@ -48,6 +48,9 @@ inline Vec3 viewingAxis(const Camera& camera) {
     return -camera.wsFromCamera[2];
 }
 
+/// The direction of travel (unit) of light that goes from `ws` to the eye.
+Vec3 travelToEye(const Camera& camera, const Vec3& ws);
+
 /// `camera` with every pixel divided into n x n.
 Camera supersampled(Camera camera, int n);
 

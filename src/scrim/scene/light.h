@@ -65,7 +65,7 @@ class Spread {
 };
 
 /// Where the attenuation of a light is kept: in shadow buffers (ZC02), which resolve sharp shadows, or on cells, which
-/// are cheaper for light from many directions or from within the volumes (engine/transport/light_cells.h).
+/// are cheaper for light from many directions or from within the volumes (engine/passes/light_cells.h).
 enum class ShadowMethod { automatic, buffers, cells };
 
 /// A light, in world space, with its colour in the working space.

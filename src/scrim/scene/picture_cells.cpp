@@ -123,6 +123,28 @@ class BinMap {
 
 }  // namespace
 
+const Texture::Level& wideLevel(const Slide& slide) {
+    constexpr int kColumns = 256;
+    const auto& levels = smoothPicture(slide).levels();
+    std::size_t level = 0;
+    while (level + 1 < levels.size() && levels[level].width > kColumns) ++level;
+    return levels[level];
+}
+
+Rgb skyAt(const Light& sky, const Vec3& direction) {
+    if (!sky.slide) return sky.intensity;
+    const Texture::Level& picture = wideLevel(*sky.slide);
+    const Vec2 at = pictureOfDome(sky, direction) * Vec2(picture.width, picture.height) - 0.5;
+    const Vec2 whole = glm::floor(at), part = at - whole;
+    Rgb sum(0);
+    for (int i = 0; i < 4; ++i) {
+        const int x = static_cast<int>(whole.x) + (i & 1), y = static_cast<int>(whole.y) + (i >> 1);
+        const float* p = picture.pixel((x + picture.width) % picture.width, std::clamp(y, 0, picture.height - 1));
+        sum += ((i & 1) != 0 ? part.x : 1 - part.x) * ((i >> 1) != 0 ? part.y : 1 - part.y) * Rgb(p[0], p[1], p[2]);
+    }
+    return sky.intensity * sum;
+}
+
 std::vector<PictureCell> domeCells(const Light& light, int count) {
     constexpr double pi = std::numbers::pi;
     const BinMap map(

@@ -21,6 +21,12 @@ inline const Texture& smoothPicture(const Slide& slide) {
     return slide.parts && slide.parts->smooth ? *slide.parts->smooth : *slide.image;
 }
 
+/// The finest level of that picture that has at most 256 columns: what means over wide directions are computed from.
+const Texture::Level& wideLevel(const Slide& slide);
+
+/// The radiance of a dome in a direction (unit, towards the sky), without its suns, from that level.
+Rgb skyAt(const Light& dome, const Vec3& direction);
+
 /// At most `count` cells of a dome with a loaded picture, its suns left out, without those that are dark.
 /// Deterministic.
 std::vector<PictureCell> domeCells(const Light& light, int count);

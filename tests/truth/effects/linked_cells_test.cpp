@@ -10,7 +10,7 @@
 #include <scrim/engine/plan/effects.h>
 #include <scrim/engine/plan/make_plan.h>
 #include <scrim/engine/plan/transport_plan.h>
-#include <scrim/engine/transport/light_cells.h>
+#include <scrim/engine/passes/light_cells.h>
 
 #include <gtest/gtest.h>
 

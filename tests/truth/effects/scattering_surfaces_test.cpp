@@ -5,7 +5,7 @@
 #include "support/verified.h"
 
 #include <scrim/engine/plan/transport_plan.h>
-#include <scrim/engine/transport/scattered_light.h>
+#include <scrim/engine/solve/scattered_light.h>
 #include <scrim/verify/path_tracer.h>
 
 #include <gtest/gtest.h>

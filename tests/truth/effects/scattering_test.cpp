@@ -9,10 +9,10 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/plan/transport_plan.h>
-#include <scrim/engine/transport/last_sweep.h>
-#include <scrim/engine/transport/light_sources.h>
-#include <scrim/engine/transport/ordinates.h>
-#include <scrim/engine/transport/scattered_light.h>
+#include <scrim/engine/solve/last_sweep.h>
+#include <scrim/engine/solve/first_light.h>
+#include <scrim/engine/solve/ordinates.h>
+#include <scrim/engine/solve/scattered_light.h>
 #include <scrim/verify/path_tracer.h>
 #include <scrim/verify/reference.h>
 

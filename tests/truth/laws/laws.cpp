@@ -8,7 +8,7 @@
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/sweep.h>
-#include <scrim/engine/transport/scattered_light.h>
+#include <scrim/engine/solve/scattered_light.h>
 
 #include <algorithm>
 #include <array>
@@ -557,8 +557,7 @@ Broken buffersAndCellsAgree(const DrawnScene& drawn, Draws& d) {
     if (light.extended()) light.samples = kFewPoints;
     if (!scene.dials.lightCell) scene.dials.lightCell = 1;
     for (ViewVolume& volume : scene.volumes) {
-        volume.medium.octaves = {};
-        volume.medium.scattering = Scattering::single;
+        if (volume.medium.scattering == Scattering::full) volume.medium.scattering = Scattering::single;
         // Lobes so narrow that less than one point falls into them.
         const Phase& phase = volume.medium.phase;
         const double peak = std::max(phaseValue(phase, 1), phaseValue(phase, -1));

@@ -123,7 +123,7 @@ struct TransportPlan {
     std::vector<int> lights() const;
 };
 
-/// Lights that are kept on cells (transport/light_cells.h) instead of being sums of shadow buffers.
+/// Lights that are kept on cells (passes/light_cells.h) instead of being sums of shadow buffers.
 struct CellLightPlan {
     std::vector<int> lights;    ///< indices into ViewScene::lights
     std::vector<double> edges;  ///< for each of them the edge of its cells, world units

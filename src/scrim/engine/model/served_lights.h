@@ -12,8 +12,8 @@ namespace scrim {
 enum class Server {
     none,     ///< the light does not shine on the volume
     buffers,  ///< the shadow buffers of the light's sub-lights, in a sweep
-    cells,    ///< light on cells (transport/light_cells.h)
-    border    ///< the border of the cells on which scattered light is solved for (transport/scattered_light.h)
+    cells,    ///< light on cells (passes/light_cells.h)
+    border    ///< the border of the cells on which scattered light is solved for (solve/scattered_light.h)
 };
 
 /// Who serves one light of the scene. The suns in the picture of a sky are not meant: they always have sub-lights of

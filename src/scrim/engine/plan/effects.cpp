@@ -3,7 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/plan/transport_plan.h>
-#include <scrim/engine/transport/scattered_light.h>
+#include <scrim/engine/solve/scattered_light.h>
 #include <scrim/image/sky_parts.h>
 #include <scrim/scene/layer_names.h>
 
@@ -277,13 +277,17 @@ void addMediumEffects(const ViewScene& scene, const Plan& plan, std::vector<Effe
             return name.empty() ? name : fmt::format("{} ({})", quoted(v.name), name);
         },
         "directional scattering", "of ", "every phase function is isotropic"));
-    effects.push_back(ofMedia(
+    Effect octaves = ofMedia(
         scene, ".medium.octaves",
         [](const ViewVolume& v) {
             const int count = v.medium.octaves.count;
             return count > 1 ? fmt::format("{} ({})", quoted(v.name), count) : std::string();
         },
-        "octaves", "of ", "no medium has octaves"));
+        "octaves", "of ", "no medium has octaves");
+    // Measured on a cloud of 0.5 M voxels under a dome: 3 octaves take 20 times as long as the full solution.
+    if (octaves.on && std::ranges::any_of(scene.lights, &Light::dome))
+        octaves.reason += "; scattering = \"full\" is the light itself and, under a dome, takes less time";
+    effects.push_back(std::move(octaves));
     effects.push_back(multipleScattering(scene, plan));
 }
 

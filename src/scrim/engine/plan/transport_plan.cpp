@@ -7,11 +7,11 @@
 #include <scrim/scene/picture_cells.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
-#include <scrim/engine/transport/cell_field.h>
-#include <scrim/engine/transport/cell_media.h>
-#include <scrim/engine/transport/cell_sweep.h>
-#include <scrim/engine/transport/last_sweep.h>
-#include <scrim/engine/transport/light_sources.h>
+#include <scrim/engine/lamps/lamp.h>
+#include <scrim/engine/cells/cell_media.h>
+#include <scrim/engine/solve/cell_sweep.h>
+#include <scrim/engine/solve/last_sweep.h>
+#include <scrim/engine/solve/first_light.h>
 
 #include <algorithm>
 #include <cmath>
@@ -109,8 +109,6 @@ std::string unfitForCells(const ViewScene& scene) {
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.classified)
             return fmt::format("the surfaces of volume '{}' need the direction of all light", volume.name);
-        if (volume.medium.scattering == Scattering::octaves && volume.medium.octaves.count > 1)
-            return fmt::format("volume '{}' scatters in octaves", volume.name);
     }
     return {};
 }
@@ -261,6 +259,8 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan) {
     // Lights share fields unless layers, or what casts shadows in them, part them; lamps also have fields of their own,
     // and where solids block them another one.
     const double stored = 2 * occupied(scene, 0.5 * least) / (least * least * least);
+    int octaves = 1;
+    for (const ViewVolume& volume : scene.volumes) octaves = std::max(octaves, volume.medium.octaves.count);
     double lamps = 0, near = 0;
     std::vector<int> apart;
     for (const int i : plan.lights) {
@@ -269,14 +269,16 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan) {
             apart.push_back(i);
             continue;
         }
-        ++lamps;
-        near += std::min(std::pow(2 * nearestFar(light, least) / least + kCellEdge, 3), stored);
+        lamps += octaves;
+        near += octaves * std::min(std::pow(2 * nearestFar(light, least) / least + kCellEdge, 3), stored);
     }
-    const double others = wants(scene, Layer::light) ? double(apart.size()) : double(castingSets(scene, apart, false));
+    const double parts = octaves > 1 && wants(scene, Layer::indirect) ? 2 : 1;  // of the light, that are kept apart
+    const double others =
+        parts * (wants(scene, Layer::light) ? double(apart.size()) : double(castingSets(scene, apart, false)));
     const double media = double(castingSets(scene, plan.lights, true));
     const bool shared = lampsShareCells(scene);
     const double blocked = solidsBlock(scene) ? lamps : 0;
-    const double fields = 2 * (colours * ((shared ? std::min(lamps, 1.0) : lamps) + others) + blocked);
+    const double fields = 2 * (colours * ((shared ? std::min(lamps, parts) : lamps) + others) + blocked);
     // Slices keep the used part of each row of the box, and where it begins.
     const double rows = std::max({cells.x * cells.y, cells.y * cells.z, cells.z * cells.x}), kept = 20 * rows;
     const double slices = std::min(cells.x * cells.y * cells.z, stored) * (1 + colours) + kept;

@@ -10,7 +10,7 @@
 #include <scrim/engine/shade/screen_motion.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
-#include <scrim/engine/transport/cell_field.h>
+#include <scrim/engine/lamps/cell_light.h>
 
 #include <memory>
 #include <optional>
@@ -92,7 +92,7 @@ class SheetShader {
     std::vector<std::pair<int, const ExtinctionSum::Emission*>> m_emissions;  // with their levels
     // The light on cells that the group shows, and where it is looked up.
     std::vector<SheetScattered> m_scatteredParts;
-    std::vector<std::shared_ptr<const CellField>> m_scatteredFields;
+    std::vector<std::shared_ptr<const VolumeLight>> m_scatteredFields;
     std::optional<ScreenMotion> m_motion;  // only if a layer needs it
 };
 

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/cells/cell_field.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
+namespace scrim {
+
+CellField::CellField(std::shared_ptr<const CellGrid> grid, int colours, const Rgb& tint)
+    : m_grid(std::move(grid)),
+      m_colours(static_cast<std::size_t>(colours)),
+      m_values(m_grid->storedBlocks().size() * kPaddedCells * m_colours, Real(0)) {
+    for (int c = 0; c < 3; ++c) m_tint[c] = static_cast<Real>(tint[c]);
+}
+
+Real* CellField::cell(std::size_t index) {
+    const std::size_t i = index % kBlockCells;
+    const std::size_t x = i % kCellEdge + 1, y = i / kCellEdge % kCellEdge + 1, z = i / (kCellEdge * kCellEdge) + 1;
+    return block(index / kBlockCells) + ((z * kPaddedEdge + y) * kPaddedEdge + x) * m_colours;
+}
+
+void CellField::add(const std::function<Rgb(const Vec3& ws)>& light) {
+    forCells([&](const Int3& cell, Real* values) {
+        const Rgb more = light(m_grid->wsFromCs(Vec3(cell) + 0.5));
+        for (std::size_t c = 0; c < m_colours; ++c) values[c] += static_cast<Real>(more[static_cast<int>(c)]);
+    });
+}
+
+void CellField::sample(const Vec3& ws, Real (&rgb)[3]) const {
+    LastBlock last;
+    sample(ws, last, rgb);
+}
+
+namespace {
+
+// Interpolates between eight cells; `corner` has the first one's values.
+template <std::size_t colours>
+void mixAll(const Real* corner, const Vec3& fraction, Real (&rgb)[3]) {
+    const Real fx = static_cast<Real>(fraction.x), fy = static_cast<Real>(fraction.y),
+               fz = static_cast<Real>(fraction.z);
+    constexpr std::size_t x = colours, y = kPaddedEdge * x, z = kPaddedEdge * y;
+    for (std::size_t c = 0; c < colours; ++c) {
+        const Real* p = corner + c;
+        const auto mix = [](Real a, Real b, Real t) { return a + t * (b - a); };
+        const Real near = mix(mix(p[0], p[x], fx), mix(p[y], p[y + x], fx), fy);
+        const Real far = mix(mix(p[z], p[z + x], fx), mix(p[z + y], p[z + y + x], fx), fy);
+        rgb[c] = mix(near, far, fz);
+    }
+}
+
+// The same for those cells alone that have a bit in `cells`.
+void mixSome(const Real* corner, std::size_t colours, const Vec3& fraction, unsigned cells, Real (&rgb)[3]) {
+    Real all = 0;
+    for (int i = 0; i < 8; ++i) {
+        if ((cells >> i & 1) == 0) continue;
+        constexpr double kLeast = 1e-3;  // where none of them has a weight, they count the same
+        double weight = 1;
+        for (int axis = 0; axis < 3; ++axis)
+            weight *= std::max((i >> axis & 1) != 0 ? fraction[axis] : 1 - fraction[axis], kLeast);
+        const Real* p = corner + std::size_t(paddedOffset(i & 1, i >> 1 & 1, i >> 2)) * colours;
+        for (std::size_t c = 0; c < colours; ++c) rgb[c] += static_cast<Real>(weight) * p[c];
+        all += static_cast<Real>(weight);
+    }
+    for (std::size_t c = 0; c < colours; ++c) rgb[c] /= all;
+}
+
+}  // namespace
+
+void CellField::sample(const Vec3& ws, LastBlock& last, Real (&rgb)[3]) const {
+    const Vec3 at = m_grid->csFromWs(ws) - 0.5;  // relative to the centre of the first cell
+    const Int3 cell = wholeBelow(glm::clamp(at, -1e9, 1e9));
+    const Int3 block(cell.x >> 3, cell.y >> 3, cell.z >> 3);
+    if (block != last.at) last = {block, m_grid->stored(block)};
+    std::int32_t stored = last.stored;
+    Int3 inside = cell - block * kCellEdge + 1;
+    // If the cell's own block is not stored, the centres of border cells may lie in the border of a stored neighbour.
+    for (int side = 1; side < 8 && stored < 0; ++side) {
+        const Int3 step(side & 1, side >> 1 & 1, side >> 2);
+        const Int3 beside((cell.x + step.x) >> 3, (cell.y + step.y) >> 3, (cell.z + step.z) >> 3);
+        inside = cell - beside * kCellEdge + 1;
+        if (glm::all(glm::greaterThanEqual(inside, Int3(0)))) stored = m_grid->stored(beside);
+    }
+    for (Real& c : rgb) c = 0;
+    if (stored < 0) return;
+    const Vec3 fraction = at - Vec3(cell);
+    const Real* corner =
+        m_values.data() +
+        (std::size_t(stored) * kPaddedCells + std::size_t(paddedOffset(inside.x, inside.y, inside.z))) * m_colours;
+    const unsigned side =
+        m_grid->hasWalls() ? m_grid->onSideOf(m_grid->wsFromCs(at + 0.5), std::size_t(stored), inside) : kAllSides;
+    if (side == kAllSides)
+        m_colours == 1 ? mixAll<1>(corner, fraction, rgb) : mixAll<3>(corner, fraction, rgb);
+    else
+        mixSome(corner, m_colours, fraction, side, rgb);
+    for (std::size_t c = 3; c-- > 0;) rgb[c] = rgb[m_colours == 1 ? 0 : c] * m_tint[c];
+}
+
+void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction,
+                       Real* const rgb[3]) const {
+    LastBlock last;
+    for (int k = 0; k < kTileSize; ++k) {
+        Real found[3] = {0, 0, 0};
+        if (extinction[k] != 0) {
+            const SheetPath path(plane, samples, k, extinction[k]);
+            sample(path.wsNear + path.wsSeen, last, found);
+            if (path.thick) {
+                Real behind[3];
+                sample(path.wsFar + path.wsSeen, last, behind);
+                for (int c = 0; c < 3; ++c) found[c] += path.farther * (behind[c] - found[c]);
+            }
+        }
+        for (int c = 0; c < 3; ++c) rgb[c][k] = found[c];
+    }
+}
+
+}  // namespace scrim

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// The light on cells that shading shows.
+#pragma once
+
+#include <scrim/engine/cells/cell_field.h>
+#include <scrim/engine/lamps/lamp_field.h>
+#include <scrim/engine/model/plan.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace scrim {
+
+/// What one volume shows of some lights, as CellField has light: the sum of its parts.
+struct VolumeLight {
+    std::shared_ptr<const CellField> field;  ///< null: there is none
+    std::vector<std::shared_ptr<const LampField>> lamps;
+
+    /// The light at a point.
+    void sample(const Vec3& ws, Real (&rgb)[3]) const;
+    /// The light at a tile of samples (see CellField::lookUp).
+    void lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3]) const;
+};
+
+/// The light on cells that belongs to one output.
+struct CellLight {
+    std::optional<Output> output;                              ///< none: the beauty
+    bool again = false;                                        ///< it has scattered before it arrives
+    std::vector<std::shared_ptr<const VolumeLight>> ofVolume;  ///< for each volume of the scene; null: none
+};
+
+}  // namespace scrim

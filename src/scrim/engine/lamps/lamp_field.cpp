@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/lamps/lamp_field.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/engine/cells/cell_media.h>
+#include <scrim/engine/lamps/lamp.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+// Optical depths from this on are those of no light that could be seen.
+constexpr double kDarkDepth = 60;
+// The least way that a mean extinction is for, in cells.
+constexpr double kLeastWay = 1e-3;
+
+}  // namespace
+
+LampField::LampField(const LampView& view, std::shared_ptr<const CellGrid> grid, int colours)
+    : m_view(view), m_values(std::move(grid), colours) {
+    const double edge = m_values.grid().edge();
+    if (lamp().luminaire) m_frame = lightFrame(lamp());
+    if (radiusOfSphere(lamp()) > 0 && !view.phase.isotropic())
+        m_caps = std::make_shared<const PhaseOverCaps>(view.phase, 0.5 * std::numbers::pi);
+    m_hollow = hollowOnCells(lamp(), edge);
+    if (view.nearby) m_near = nearestFar(lamp(), edge);
+}
+
+// The way that the mean extinction of a cell is for.
+double LampField::wayTo(const Int3& cell) const {
+    const double r = glm::distance(m_values.grid().wsFromCs(Vec3(cell) + 0.5), lamp().wsPosition);
+    return std::max(m_hollow ? wayFrom(lamp(), r) : r, kLeastWay * m_values.grid().edge());
+}
+
+void LampField::makeMean(const CellMedia& media, std::shared_ptr<const CellField> open) {
+    m_open = std::move(open);
+    const double radius = m_hollow ? radiusOfSphere(lamp()) : 0;
+    m_values.forCells([&](const Int3& cell, Real* values) {
+        const double way = wayTo(cell);
+        for (std::size_t c = 0; c < m_values.colours(); ++c) {
+            const double depth = -std::log(std::max(double(values[c]), 1e-30));
+            values[c] = static_cast<Real>((radius > 0 ? depth + shellOverDisk(radius / way * depth) : depth) / way);
+        }
+    });
+    if (!m_view.attenuated) return;
+    sharpenMeans(m_values, [&](const Int3& cell) { return wayTo(cell); });
+    if (m_hollow)
+        m_values.forCells([&](const Int3& cell, Real* values) {
+            if (wayTo(cell) * double(values[0]) < kDarkDepth)
+                keepNearSphere(media, m_values.grid().wsFromCs(Vec3(cell) + 0.5), values);
+        });
+}
+
+// Replaces the mean extinction close to a sphere. Cells at its surface and within continue what is just outside.
+void LampField::keepNearSphere(const CellMedia& media, const Vec3& ws, Real* values) const {
+    // Cells; optical depths behind which little is left, and of a radius whose light is nearly that of its middle.
+    constexpr double kInside = 3, kOutside = 4, kDark = 6, kThin = 1;
+    const Vec3& center = lamp().wsPosition;
+    const double edge = m_values.grid().edge(), radius = radiusOfSphere(lamp()), r = glm::distance(ws, center);
+    const double k = double(values[0]), dense = k * radius < kThin ? 0 : std::min(radius, kDark / k);
+    const double share = std::clamp(2 * (1 - (r - radius) / std::max(kOutside * edge, dense)), 0.0, 1.0);
+    if (share == 0 || r < std::max(radius - kInside * edge, 1e-9 * edge)) return;
+    const double outside = std::max(r, radius + 0.25 * edge), way = wayFrom(lamp(), outside);
+    const Rgb depth = depthFromSphere(media, m_view.extinction, center, radius, center + outside / r * (ws - center));
+    for (std::size_t c = 0; c < m_values.colours(); ++c)
+        values[c] += static_cast<Real>(share * (depth[static_cast<int>(c)] / way - double(values[c])));
+}
+
+// The part of the lamp's light that its own cells keep. The rest starts at the lamp as r^2 does, so that it bends
+// little between the cells that it is kept on: at a reach of R, its mean over them is at most 0.4 (12 edge / R)^2 % of
+// the lamp's light off.
+double LampField::nearShare(double r) const {
+    if (m_near == 0) return 1;
+    const double radius = radiusOfSphere(lamp()), t = std::clamp((r - radius) / (m_near - radius), 0.0, 1.0);
+    return 1 - t * t * t * t * (15 - 24 * t + 10 * t * t);
+}
+
+// What the lamp's light is scattered by towards the eye, times r^2, without attenuation.
+double LampField::factor(const Vec3& ws) const {
+    const Vec3 way = ws - lamp().wsPosition;
+    const double r = glm::length(way);
+    const Vec3 travel = r > 0 ? way / r : Vec3(0, 0, 1);
+    // A sphere fills a cone of the solid angle 2 pi (1 - cosine).
+    const double radius = radiusOfSphere(lamp());
+    const double cosine = r > radius ? std::sqrt(1 - radius * radius / (r * r)) : 0;
+    constexpr double kEven = 1 / (4 * std::numbers::pi);
+    const double toEye = m_view.phase.isotropic() ? 0 : glm::dot(travel, travelToEye(m_view.camera, ws));
+    const double factor = m_view.phase.isotropic() ? kEven
+                          : m_caps                 ? m_caps->at(toEye, std::acos(cosine))
+                                                   : phaseValue(m_view.phase, toEye);
+    return radius > 0 ? factor * 2 * std::numbers::pi * radius * radius / (1 + cosine) : factor;
+}
+
+Rgb LampField::farLight(const Vec3& ws, double transmittance) const {
+    const double r = glm::distance(ws, lamp().wsPosition);
+    if (r < 1e-6 * m_near) return Rgb(0);
+    // Cells too coarse to resolve a sphere know the transmittance from within.
+    if (!m_hollow && radiusOfSphere(lamp()) > 0) transmittance = std::pow(transmittance, wayFrom(lamp(), r) / r);
+    const double part = luminairePart(lamp(), m_frame, (ws - lamp().wsPosition) / r);
+    return lamp().intensity * (part * transmittance * (1 - nearShare(r)) * factor(ws) * decay(r * r));
+}
+
+std::optional<Rgb> LampField::evenFarLight(double& reach) const {
+    if (lamp().area() || lamp().luminaire || !lamp().point().decay || !m_view.phase.isotropic()) return std::nullopt;
+    reach = std::max(m_near, lamp().point().radius);
+    return lamp().intensity / (4 * std::numbers::pi);
+}
+
+double LampField::decay(double r2) const {
+    // At its very place a lamp shines through nothing: 0 times infinity.
+    r2 = std::max(r2, 1e-12 * m_values.grid().edge() * m_values.grid().edge());
+    if (lamp().area()) return 1 / r2;
+    return lamp().point().decay ? 1 / std::max(r2, std::pow(lamp().point().radius, 2)) : 1;
+}
+
+// The mean of the luminaire's profile over a path as meanDecay has it, weighted by 1/r^2: close to the lamp its
+// direction turns within a sheet. The weight is even in the angle under which the lamp sees the path.
+double LampField::meanProfile(const Vec3& way, const Vec3& path) const {
+    if (!lamp().luminaire) return 1;
+    const double t2 = glm::dot(path, path), r2 = glm::dot(way, way), t = std::sqrt(t2), d = glm::dot(way, path) / t;
+    const auto at = [&](const Vec3& v) { return luminairePart(lamp(), m_frame, v / std::max(glm::length(v), 1e-300)); };
+    if (r2 > 100 * t2) return at(way);  // to t^2 / (24 r^2) times the profile's curvature
+    const double b = std::max(std::sqrt(std::max(r2 - d * d, 0.0)), 1e-4 * m_values.grid().edge());
+    const double begin = std::atan((d - 0.5 * t) / b), end = std::atan((d + 0.5 * t) / b);
+    double sum = 0;
+    for (const auto& [u, w] : kFourPoints)
+        sum += w * at(way + (b * std::tan(begin + u * (end - begin)) - d) / t * path);
+    return sum;
+}
+
+// Turns the mean extinction on the way from the lamp to `ws` into light times r^2. `part`: the luminaire's.
+void LampField::lightAt(const Vec3& ws, double part, Real (&rgb)[3]) const {
+    double sent = part * factor(ws);
+    if (m_open) {
+        Real open[3];
+        m_open->sample(ws, open);
+        sent *= double(open[0]);
+    }
+    const auto length = static_cast<Real>(wayFrom(lamp(), glm::distance(ws, lamp().wsPosition)));
+    Real arrives = 1;
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (c < m_values.colours()) arrives = std::exp(-rgb[c] * length);
+        rgb[c] = static_cast<Real>(lamp().intensity[static_cast<int>(c)] * sent) * arrives;
+    }
+}
+
+// The mean of 1 / max(r^2, radius^2) over a path from z = d - t/2 to d + t/2, with r^2 = b^2 + z^2 and b the distance
+// of the eye's ray from the lamp. The integral of 1 / (b^2 + z^2) is atan(z / b) / b. The value in the middle of the
+// sheet alone is wrong by any amount in sheets close to the lamp, where much of its light is.
+double LampField::meanDecay(const Vec3& way, const Vec3& path) const {
+    const double t2 = glm::dot(path, path), r2 = glm::dot(way, way);
+    const double least = 1e-2 * m_values.grid().edge();  // a sample at the very place of the lamp must not be infinite
+    const double radius = lamp().area() ? 0 : std::max(lamp().point().radius, least);
+    if (r2 > 300 * t2 && r2 > 4 * radius * radius) return 1 / r2;  // to t^2 / (4 r^2)
+    const double t = std::sqrt(t2), d = glm::dot(way, path) / t;
+    const double b2 = std::max(r2 - d * d, 0.0), b = std::max(std::sqrt(b2), 1e-3 * std::max(radius, least));
+    const double inside = std::sqrt(std::max(radius * radius - b2, 0.0));  // half the way through the radius
+    const double begin = d - 0.5 * t, end = d + 0.5 * t;
+    const auto outside = [&](double from, double to) {
+        return to > from ? (std::atan(to / b) - std::atan(from / b)) / b : 0.0;
+    };
+    const double within = std::max(std::min(end, inside) - std::max(begin, -inside), 0.0);
+    const double sum = (within > 0 ? within / (radius * radius) : 0) + outside(begin, std::min(end, -inside)) +
+                       outside(std::max(begin, inside), end);
+    return sum / t;
+}
+
+// Near a sphere its solid angle and the way from it change within a sheet, too: the factor by which the mean over the
+// eye's path through the sheet, of solid angle and attenuation, differs from those in its middle, times 1/r^2 there.
+double LampField::meanNearSphere(const Vec3& way, const Vec3& path, double extinction) const {
+    const double radius2 = std::pow(radiusOfSphere(lamp()), 2), t = glm::length(path), d = glm::dot(way, path) / t;
+    const double b2 = std::max(glm::dot(way, way) - d * d, 1e-12 * radius2);
+    const double inside = std::sqrt(std::max(radius2 - b2, 0.0));  // half the way through the sphere
+    const auto light = [&](double r2) {                            // as lampAt has it, but for what the middle shares
+        const double cosine = std::sqrt(std::max(1 - radius2 / r2, 0.0));
+        return std::exp(-extinction * wayFrom(lamp(), std::sqrt(r2))) / (1 + cosine);
+    };
+    // Light changes as a square root does at the sphere, so Gauss-Legendre takes the root as its variable.
+    const auto outside = [&](double nearest, double farthest) {
+        if (farthest <= nearest) return 0.0;
+        double sum = 0;
+        for (const auto& [u, weight] : kFourPoints) {
+            const double z = nearest + (farthest - nearest) * u * u, r2 = std::max(b2 + z * z, radius2);
+            sum += 2 * u * weight * light(r2) / r2;
+        }
+        return sum * (farthest - nearest);
+    };
+    const double begin = d - 0.5 * t, end = d + 0.5 * t;
+    const double sum = outside(std::max(begin, inside), end) + outside(std::max(-end, inside), -begin);
+    return sum / (t * light(std::max(glm::dot(way, way), 1e-30)));
+}
+
+void LampField::addTo(const Vec3& ws, Real (&rgb)[3]) const {
+    const Vec3 way = ws - lamp().wsPosition;
+    const double r = glm::length(way);
+    Real own[3];
+    m_values.sample(ws, own);
+    lightAt(ws, r > 0 ? luminairePart(lamp(), m_frame, way / r) : 0, own);
+    for (int c = 0; c < 3; ++c) rgb[c] += own[c] * static_cast<Real>(nearShare(r) * decay(r * r));
+}
+
+bool LampField::reaches(const Bounds& ws) const {
+    const Vec3& at = lamp().wsPosition;
+    return m_near == 0 || glm::distance(at, glm::clamp(at, ws.lower, ws.upper)) < m_near;
+}
+
+// What the mean over the eye's path makes of 1/r^2 and, near a sphere, of attenuation.
+double LampField::meanOnPath(const Vec3& way, const Vec3& path, double extinction) const {
+    constexpr double kNear = 4;
+    const double radius = radiusOfSphere(lamp());
+    if (radius > 0 && glm::dot(way, way) < kNear * kNear * (radius * radius + glm::dot(path, path)))
+        return meanNearSphere(way, path, extinction);
+    return radius > 0 || lamp().point().decay ? meanDecay(way, path) : 1;
+}
+
+void LampField::addTo(const SamplePlane& plane, const SampleTile& samples, const Real* extinction,
+                      Real* const rgb[3]) const {
+    CellField::LastBlock last;
+    for (int k = 0; k < kTileSize; ++k) {
+        if (extinction[k] == 0) continue;
+        const Vec3 way = plane.wsSample(samples, k) - lamp().wsPosition;
+        const Real share = m_near > 0 ? static_cast<Real>(nearShare(glm::length(way))) : Real(1);
+        if (share == 0) continue;
+        const SheetPath path(plane, samples, k, extinction[k]);
+        Real found[3];
+        m_values.sample(path.wsNear + path.wsSeen, last, found);
+        const Real factor = share * static_cast<Real>(meanOnPath(way, path.ws, double(found[1])));
+        const double part = meanProfile(way, path.ws);
+        lightAt(path.wsNear, part, found);
+        if (path.thick) {
+            Real behind[3];
+            m_values.sample(path.wsFar + path.wsSeen, last, behind);
+            lightAt(path.wsFar, part, behind);
+            for (int c = 0; c < 3; ++c) found[c] += path.farther * (behind[c] - found[c]);
+        }
+        for (int c = 0; c < 3; ++c) rgb[c][k] += factor * found[c];
+    }
+}
+
+void sharpenMeans(CellField& field, const std::function<double(const Int3& cell)>& wayTo) {
+    constexpr double kPerBend = 1.0 / 6;
+    constexpr std::array<std::size_t, 3> kStep{1, kPaddedEdge, std::size_t(kPaddedEdge) * kPaddedEdge};
+    const CellGrid& grid = field.grid();
+    const std::size_t colours = field.colours();
+    const double least = kLeastWay * grid.edge();
+    const auto placeIn = [&](std::size_t block, int i) {
+        return grid.storedBlocks()[block] * kCellEdge - 1 +
+               Int3(i % kPaddedEdge, i / kPaddedEdge % kPaddedEdge, i / (kPaddedEdge * kPaddedEdge));
+    };
+    parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {
+        std::array<double, kPaddedCells> way, mean;
+        for (std::size_t i = 0; i < kPaddedCells; ++i) way[i] = wayTo(placeIn(b, static_cast<int>(i)));
+        const auto known = [&](std::size_t i) { return way[i] > least && way[i] * mean[i] < kDarkDepth; };
+        for (std::size_t c = 0; c < colours; ++c) {
+            Real* values = field.block(b) + c;
+            for (std::size_t i = 0; i < kPaddedCells; ++i) mean[i] = double(values[i * colours]);
+            for (int n = 0; n < kBlockCells; ++n) {
+                const auto i = std::size_t(
+                    paddedOffset(n % kCellEdge + 1, n / kCellEdge % kCellEdge + 1, n / (kCellEdge * kCellEdge) + 1));
+                if (!known(i)) continue;
+                double bend = 0, low = mean[i], high = mean[i];
+                for (const std::size_t step : kStep) {
+                    const double before = mean[i - step], after = mean[i + step];
+                    if (!known(i - step) || !known(i + step)) continue;
+                    bend += before + after - 2 * mean[i];
+                    low = std::min({low, before, after});
+                    high = std::max({high, before, after});
+                }
+                values[i * colours] = static_cast<Real>(std::clamp(mean[i] - kPerBend * bend, low, high));
+            }
+        }
+    });
+    // The cells around a block follow those of its neighbours.
+    parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {
+        for (std::size_t i = 0; i < kPaddedCells; ++i) {
+            const std::ptrdiff_t index = grid.index(placeIn(b, static_cast<int>(i)));
+            Real* to = field.block(b) + i * colours;
+            if (const Real* own = index < 0 ? to : field.cell(std::size_t(index)); own != to)
+                std::copy_n(own, colours, to);
+        }
+    });
+}
+
+}  // namespace scrim

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/passes/cell_slices.h>
+
+#include <scrim/base/parallel.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+// Sharpens a row of `count` - 2 cells into `to`. `rows`: itself, those beside it, and those in the slices below and
+// above, `count` values each. A neighbour of 0 is not known.
+void sharpenRow(const std::vector<Real>& rows, std::size_t count, const std::array<Real, 3>& perBend, Real* to) {
+    const Real* own = rows.data();
+    for (std::size_t i = 1; i + 1 < count; ++i) {
+        const Real value = own[i];
+        Real bend = 0, least = value, most = value;
+        const auto add = [&](Real factor, Real low, Real high) {
+            if (low == 0 || high == 0) return;
+            bend += factor * (low + high - 2 * value);
+            least = std::min({least, low, high});
+            most = std::max({most, low, high});
+        };
+        add(perBend[0], own[i - 1], own[i + 1]);
+        add(perBend[1], own[count + i], own[2 * count + i]);
+        add(perBend[2], own[3 * count + i], own[4 * count + i]);
+        to[i - 1] = std::clamp(value - bend, least, most);
+    }
+}
+
+// Fills `values` with zeros; does not keep the old memory while it gets more.
+void clear(std::vector<Real>& values, std::size_t count) {
+    if (values.capacity() < count) std::vector<Real>().swap(values);
+    values.assign(count, Real(0));
+}
+
+}  // namespace
+
+void CellSlices::layAlong(int axis) {
+    axes = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, axis};
+    for (std::size_t a = 0; a < 3; ++a) size[a] = m_grid.blocks()[axes[a]] * kCellEdge + 2;
+    full.assign(std::size_t(size[1] + 2) * std::size_t(size[2]), {});
+    wanted.assign(std::size_t(size[1]) * std::size_t(size[2]), {});
+}
+
+Vec3 CellSlices::wsPlace(const Vec3& at) const {
+    Vec3 cs;
+    for (int a = 0; a < 3; ++a) cs[axes[std::size_t(a)]] = at[a] - 1;
+    return m_grid.wsFromCs(cs);
+}
+
+std::tuple<double, Vec3, Mat3> CellSlices::seriesOf(const Light& light, const Bounds& wsVolumes) const {
+    constexpr int kRows = 16, kColumns = 32;
+    const Mat3 frame = lightFrame(light);
+    double even = 0;
+    Vec3 linear(0);
+    Mat3 quadratic(0);
+    for (int i = 0; i < kRows * kColumns; ++i) {
+        const double z = 2 * (i / kColumns + 0.5) / kRows - 1, turn = 2 * std::numbers::pi * (i + 0.5) / kColumns;
+        const Vec3 ws(std::sqrt(1 - z * z) * Vec2(std::cos(turn), std::sin(turn)), z), way = reordered(ws);
+        const double sent = luminairePart(light, frame, ws) / (kRows * kColumns);
+        even += sent;
+        linear += 3 * sent * way;
+        quadratic += 7.5 * sent * (glm::outerProduct(way, way) - Mat3(1.0 / 3));
+    }
+    double exact = 0, series = 1e-300;
+    for (const Vec3& corner : wsVolumes.corners()) {
+        const Vec3 ws = glm::normalize(corner - light.wsPosition), way = reordered(ws);
+        exact += luminairePart(light, frame, ws);
+        series += std::max(even + glm::dot(linear, way) + glm::dot(way, quadratic * way), 0.0);
+    }
+    const double scale = std::clamp(exact / series, 0.5, 2.0);
+    return {scale * even, scale * linear, scale * quadratic};
+}
+
+template <class Visit>
+void CellSlices::visitRows(const Visit& visit) const {
+    constexpr std::array<std::size_t, 3> kStep{1, kCellEdge, std::size_t(kCellEdge) * kCellEdge};
+    for (std::size_t b = 0; b < m_grid.storedBlocks().size(); ++b) {
+        const Int3 first = m_grid.storedBlocks()[b] * kCellEdge + 1;
+        for (int k = 0; k < kCellEdge; ++k)
+            for (int j = 0; j < kCellEdge; ++j)
+                visit(paddedRow(first[axes[1]] + j, first[axes[2]] + k), first[axes[0]],
+                      b * kBlockCells + std::size_t(j) * kStep[std::size_t(axes[1])] +
+                          std::size_t(k) * kStep[std::size_t(axes[2])],
+                      kStep[std::size_t(axes[0])]);
+    }
+}
+
+void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach) {
+    std::fill(full.begin(), full.end(), CellSpan{});
+    visitRows([&](std::size_t row, int i, std::size_t cell, std::size_t step) {
+        int begin = 0, end = kCellEdge;
+        while (begin < end && perWorldUnit[cell + std::size_t(begin) * step] == 0) ++begin;
+        while (begin < end && perWorldUnit[cell + std::size_t(end - 1) * step] == 0) --end;
+        full[row] = full[row].with({i + begin, i + end});
+    });
+    findWanted(reach);
+    keepRows();
+    refill(perWorldUnit);
+}
+
+void CellSlices::refill(const std::vector<Real>& perWorldUnit) {
+    const auto edge = static_cast<Real>(m_grid.edge());
+    visitRows([&](std::size_t row, int i, std::size_t cell, std::size_t step) {
+        const CellSpan& span = full[row];
+        Real* to = m_extinction.data() + m_rowAt[row];
+        for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
+            to[at] = edge * perWorldUnit[cell + std::size_t(at - i) * step];
+    });
+}
+
+// Finds the places of rows in memory. Cell 0 of the first one would be before the first that is kept.
+void CellSlices::keepRows() {
+    const std::size_t lead = std::size_t(size[0]) + 1;
+    std::size_t at = lead;
+    m_kept.assign(full.size(), {});
+    m_rowAt.assign(full.size(), 0);
+    m_sumAt.assign(wanted.size(), 0);
+    m_sliceAt.clear();
+    for (int k = 0; k < size[2]; ++k)
+        for (int j = -1; j <= size[1]; ++j) {
+            const std::size_t row = paddedRow(j, k);
+            CellSpan& kept = m_kept[row];
+            for (int near = std::max(j - 1, -1); near <= std::min(j + 1, size[1]); ++near)
+                kept = kept.with(full[paddedRow(near, k)]);
+            if (j >= 0 && j < size[1]) kept = kept.with(wanted[rowIndex(j, k)]);
+            if (kept.empty()) continue;
+            m_rowAt[row] = at + 1 - std::size_t(kept.begin);
+            at += std::size_t(kept.end - kept.begin) + 1 + kRowSlack;
+        }
+    clear(m_extinction, at);
+    at = lead;
+    for (std::size_t row = 0; row < wanted.size(); ++row) {
+        if (row % std::size_t(size[1]) == 0) m_sliceAt.push_back(at);
+        if (wanted[row].empty()) continue;
+        m_sumAt[row] = at - std::size_t(wanted[row].begin);
+        at += std::size_t(wanted[row].end - wanted[row].begin) + kRowSlack;
+    }
+    m_sliceAt.push_back(at);
+}
+
+void CellSlices::findWanted(int reach) {
+    std::vector<CellSpan> along(wanted.size());
+    for (int k = 0; k < size[2]; ++k)
+        for (int j = 0; j < size[1]; ++j)
+            for (int near = std::max(j - reach, 0); near <= std::min(j + reach, size[1] - 1); ++near)
+                along[rowIndex(j, k)] = along[rowIndex(j, k)].with(full[paddedRow(near, k)]);
+    for (int k = 0; k < size[2]; ++k)
+        for (int j = 0; j < size[1]; ++j) {
+            CellSpan span;
+            for (int near = std::max(k - reach, 0); near <= std::min(k + reach, size[2] - 1); ++near)
+                span = span.with(along[rowIndex(j, near)]);
+            CellSpan& here = wanted[rowIndex(j, k)];
+            if (!span.empty()) here = here.with({std::max(span.begin - reach, 0), std::min(span.end + reach, size[0])});
+        }
+}
+
+std::vector<std::pair<std::size_t, Real>> CellSlices::hollow(const Vec3& ws, double radius) {
+    std::vector<std::pair<std::size_t, Real>> before;
+    const Vec3 center = place(ws) - 0.5, count(size[0], size[1], size[2]);
+    // Rays find extinction interpolated across them. Beside a hollow that bends away from them this adds as much to
+    // their depth as if the hollow were smaller by half the variance, across, of a cell and of the interpolation: 1/12
+    // and 1/6 along each of two axes.
+    constexpr double kVariance = 0.25;
+    const double given = radius / m_grid.edge(), cells = given + kVariance / given;
+    const Int3 first(glm::clamp(glm::floor(center - cells), Vec3(0), count)),
+        end(glm::clamp(glm::ceil(center + cells) + 1.0, Vec3(0), count));
+    for (int k = first.z; k < end.z; ++k)
+        for (int j = first.y; j < end.y; ++j)
+            for (int i = first.x; i < end.x; ++i) {
+                const double kept = std::clamp(glm::distance(Vec3(i, j, k), center) - cells + 0.5, 0.0, 1.0);
+                const std::size_t row = paddedRow(j, k), at = m_rowAt[row] + std::size_t(i);
+                if (kept == 1 || i < m_kept[row].begin || i >= m_kept[row].end) continue;
+                before.emplace_back(at, m_extinction[at]);
+                m_extinction[at] *= static_cast<Real>(kept);
+            }
+    return before;
+}
+
+void CellSlices::restore(const std::vector<std::pair<std::size_t, Real>>& before) {
+    for (const auto& [at, extinction] : before) m_extinction[at] = extinction;
+}
+
+void CellSlices::clearSums(std::size_t colours) {
+    for (std::size_t c = 0; c < colours; ++c) clear(m_sums[c], m_sliceAt.back());
+}
+
+template <class Visit, class Wanted>
+void CellSlices::visitCells(CellField& field, const Visit& visit, const Wanted& wantsBlock) const {
+    const CellGrid& grid = field.grid();
+    const Int3 shift(glm::round(m_grid.csFromWs(grid.wsFromCs(Vec3(0)))));
+    const std::array<std::ptrdiff_t, 3> steps{1, kPaddedEdge, std::ptrdiff_t(kPaddedEdge) * kPaddedEdge};
+    const auto step = steps[std::size_t(axes[0])] * static_cast<std::ptrdiff_t>(field.colours());
+    parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {
+        // The border of the block and that of the box are one cell each.
+        const Int3 first = grid.storedBlocks()[b] * kCellEdge, own = first + shift;
+        if (!wantsBlock(Vec3(first) + 0.5 * kCellEdge)) return;
+        Int3 place(0);
+        for (place[axes[2]] = 0; place[axes[2]] < kPaddedEdge; ++place[axes[2]])
+            for (place[axes[1]] = 0; place[axes[1]] < kPaddedEdge; ++place[axes[1]]) {
+                const std::size_t row = rowIndex(own[axes[1]] + place[axes[1]], own[axes[2]] + place[axes[2]]);
+                const int from = own[axes[0]], begin = std::max(wanted[row].begin - from, 0),
+                          end = std::min(wanted[row].end - from, kPaddedEdge);
+                if (begin >= end) continue;
+                place[axes[0]] = begin;
+                Real* out = field.block(b) + std::size_t(paddedOffset(place.x, place.y, place.z)) * field.colours();
+                for (; place[axes[0]] < end; ++place[axes[0]], out += step)
+                    visit(first + place, m_sumAt[row] + std::size_t(from + place[axes[0]]), out);
+                place[axes[0]] = 0;
+            }
+    });
+}
+
+void CellSlices::sharpen(std::size_t colours) {
+    constexpr std::array<Real, 3> kPerBend{Real(0.1), Real(0.1), Real(1.0 / 12)};
+    for (std::size_t c = 0; c < colours; ++c) {
+        // This slice and the one below it, as they were.
+        std::vector<Real> here, below;
+        for (int k = 0; k < size[2]; ++k) {
+            const std::size_t first = m_sliceAt[std::size_t(k)];
+            here.assign(m_sums[c].begin() + static_cast<std::ptrdiff_t>(first),
+                        m_sums[c].begin() + static_cast<std::ptrdiff_t>(m_sliceAt[std::size_t(k) + 1]));
+            parallelFor(std::size_t(size[1]), [&](std::size_t row) {
+                const int j = static_cast<int>(row);
+                const CellSpan& span = wanted[rowIndex(j, k)];
+                if (span.empty()) return;
+                // Rows as from one cell before the span to one behind it: 0 where they are not wanted.
+                const auto count = std::size_t(span.end - span.begin) + 2;
+                std::vector<Real> rows(5 * count, Real(0));
+                const auto take = [&](std::size_t number, const std::vector<Real>& from, int atJ, int atK) {
+                    if (atJ < 0 || atJ >= size[1] || atK < 0 || atK >= size[2]) return;
+                    const std::size_t index = rowIndex(atJ, atK),
+                                      offset = &from == &m_sums[c] ? 0 : m_sliceAt[std::size_t(atK)];
+                    const CellSpan& other = wanted[index];
+                    const int begin = std::max(other.begin, span.begin - 1), end = std::min(other.end, span.end + 1);
+                    for (int i = begin; i < end; ++i)
+                        rows[number * count + std::size_t(i - span.begin + 1)] =
+                            from[m_sumAt[index] + std::size_t(i) - offset];
+                };
+                take(0, here, j, k);
+                take(1, here, j - 1, k);
+                take(2, here, j + 1, k);
+                take(3, below, j, k - 1);
+                take(4, m_sums[c], j, k + 1);
+                sharpenRow(rows, count, kPerBend, sums(c, j, k) + span.begin);
+            });
+            std::swap(here, below);
+        }
+    }
+}
+
+void CellSlices::addTo(std::size_t colours, std::size_t to, CellField& field) const {
+    const auto all = [](const Vec3&) { return true; };
+    visitCells(
+        field,
+        [&](const Int3&, std::size_t from, Real* out) {
+            for (std::size_t c = 0; c < colours; ++c) out[to + c] += m_sums[c][from];
+        },
+        all);
+}
+
+void CellSlices::addFarLight(const LampField& lamp, int colour, CellField& far) const {
+    const CellGrid& grid = far.grid();
+    // Along this axis a lamp lights the cells to which the way is longest along it.
+    const Vec3 source = grid.csFromWs(lamp.lamp().wsPosition);
+    const double reach = lamp.lamp().area() ? lamp.lamp().area()->radius / grid.edge() : 0;
+    const auto lit = [&](const Vec3& center) {
+        constexpr double kHalf = 0.5 * kPaddedEdge + 1;
+        const Vec3 way = glm::abs(reordered(center - source));
+        return std::max(way.x, way.y) - kHalf - reach <= way.z + kHalf + reach;
+    };
+    double near = 0;
+    const std::optional<Rgb> even = lamp.evenFarLight(near);
+    const auto add = [&](const Int3& at, std::size_t from, Real* out) {
+        if (m_sums[0][from] == 0) return;
+        const Vec3 ws = grid.wsFromCs(Vec3(at) - 0.5), way = ws - lamp.lamp().wsPosition;
+        const double r2 = glm::dot(way, way), arrives = double(m_sums[0][from]);
+        const Rgb light = even && r2 > near * near ? arrives / r2 * *even : lamp.farLight(ws, arrives);
+        if (far.colours() == 1)
+            out[0] += static_cast<Real>(largest(light));
+        else
+            for (int c = 0; c < 3; ++c)
+                if (colour < 0 || colour == c) out[c] += static_cast<Real>(light[c]);
+    };
+    visitCells(far, add, lit);
+}
+
+std::size_t CellSlices::bytes() const {
+    return (m_extinction.size() + m_sums[0].size() + m_sums[1].size() + m_sums[2].size()) * sizeof(Real) +
+           full.size() * (2 * sizeof(CellSpan) + sizeof(std::size_t)) +
+           wanted.size() * (sizeof(CellSpan) + sizeof(std::size_t));
+}
+
+}  // namespace scrim

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cells of a grid as slices along one axis, through which light is passed from slice to slice.
+#pragma once
+
+#include <scrim/base/real.h>
+#include <scrim/engine/cells/cell_field.h>
+#include <scrim/engine/cells/cell_grid.h>
+#include <scrim/engine/lamps/lamp_field.h>
+#include <scrim/geometry/spaces.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace scrim {
+
+/// Elements behind each row that vectors may read or write.
+inline constexpr int kRowSlack = 8;
+
+struct CellSpan {
+    int begin = 0, end = 0;
+    bool empty() const { return begin >= end; }
+    /// The smallest span that contains both.
+    CellSpan with(const CellSpan& o) const {
+        return empty() ? o : o.empty() ? *this : CellSpan{std::min(begin, o.begin), std::max(end, o.end)};
+    }
+};
+
+/// A box of cells as slices; within a slice there are rows along `i`, one beside the other along `j`. Coordinates are
+/// in cells from the corner of the box, which is one cell larger on each side than the grid's stored blocks, because
+/// light is looked up between the centres of cells. Rows keep only those cells that are used.
+class CellSlices {
+  public:
+    std::array<int, 3> axes{};     ///< the axes of the world along which i, j and the slices run
+    std::array<int, 3> size{};     ///< in cells: along i, along j, number of slices
+    std::vector<CellSpan> full;    ///< for each row, with an empty one around each slice: where there is extinction
+    std::vector<CellSpan> wanted;  ///< for each row, without those around: cells whose light is looked up
+
+    /// `grid` must outlive this object.
+    explicit CellSlices(const CellGrid& grid) : m_grid(grid) {}
+    /// Lays slices along an axis of the world, without extinction; must be called first. Memory is used again.
+    void layAlong(int axis);
+
+    std::size_t paddedRow(int j, int k) const { return std::size_t(k) * std::size_t(size[1] + 2) + std::size_t(j + 1); }
+    std::size_t rowIndex(int j, int k) const { return std::size_t(k) * std::size_t(size[1]) + std::size_t(j); }
+    /// The extinction, per cell edge, of row j of slice k, as from i = 0 on. It may be read where a row is wanted, or
+    /// this one or one beside it is full, and from one cell before that to kRowSlack behind. It is 0 beyond the box.
+    const Real* row(int j, int k) const { return m_extinction.data() + m_rowAt[paddedRow(j, k)]; }
+    /// The result: the light of one colour in row j of slice k, as from i = 0 on. Only where the row is wanted; up to
+    /// kRowSlack cells behind that may be written.
+    Real* sums(std::size_t colour, int j, int k) { return m_sums[colour].data() + m_sumAt[rowIndex(j, k)]; }
+
+    /// A world vector's components in the order of i, j and slices.
+    Vec3 reordered(const Vec3& ws) const { return {ws[axes[0]], ws[axes[1]], ws[axes[2]]}; }
+    /// The place of a world point in cells of the box, and that of a place in the world.
+    Vec3 place(const Vec3& ws) const { return reordered(m_grid.csFromWs(ws) + 1.0); }
+    Vec3 wsPlace(const Vec3& at) const;
+
+    /// What the luminaire of a light sends along the unit vector w of these axes, relative to its intensity:
+    /// even + linear . w + w . quadratic w, or nothing where that is below 0. It is what spherical harmonics up to the
+    /// second order have of the profile, scaled so that towards the corners of `wsVolumes` its mean is the profile's.
+    std::tuple<double, Vec3, Mat3> seriesOf(const Light& light, const Bounds& wsVolumes) const;
+
+    /// Takes the grid's extinction, per world unit. Light is wanted up to `reach` cells from where there is any.
+    void fill(const std::vector<Real>& perWorldUnit, int reach);
+    /// Takes another extinction, which is 0 where that of `fill` was. Light is wanted where it was.
+    void refill(const std::vector<Real>& perWorldUnit);
+    /// Takes out the extinction within a sphere, so that rays from within begin at its surface. Returns what `restore`
+    /// needs to undo it.
+    std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius);
+    void restore(const std::vector<std::pair<std::size_t, Real>>& before);
+    void clearSums(std::size_t colours);
+    /// Subtracts from each sum the mean error of linear interpolation: d / 12 along the axis of the slices and d / 10
+    /// along each axis within a slice, where d is the second difference along the axis. 1 / 12 is the error of
+    /// interpolation between the centres of cells; within a slice, light is also interpolated from rays to cells. The
+    /// result stays between the least and the largest of the sum and its neighbours. An axis along which a neighbour
+    /// is not wanted is left out.
+    void sharpen(std::size_t colours);
+    /// Adds the sums to a field, from its colour `to` on. Its grid may have other blocks of the same cells.
+    void addTo(std::size_t colours, std::size_t to, CellField& field) const;
+    /// Adds to `far` the light of `lamp`, whose transmittance the sums are, at cells far from it. `colour`: the only
+    /// one that the sums are for; -1: all.
+    void addFarLight(const LampField& lamp, int colour, CellField& far) const;
+    std::size_t bytes() const;
+
+  private:
+    void findWanted(int reach);
+    void keepRows();
+    // Calls visit(cell of the field's grid, light of the row from that cell on, values of the field) for all wanted
+    // cells of the blocks whose centre, in cells of that grid, `wantsBlock`, in parallel.
+    template <class Visit, class Wanted>
+    void visitCells(CellField& field, const Visit& visit, const Wanted& wantsBlock) const;
+    // Calls visit(row, i of its first cell, index of that cell in the grid's values, and its step) for all rows of
+    // cells in stored blocks.
+    template <class Visit>
+    void visitRows(const Visit& visit) const;
+
+    const CellGrid& m_grid;
+    std::vector<Real> m_extinction;
+    std::vector<CellSpan> m_kept;  // for each row, as `full` has them: cells whose extinction is kept
+    // For each row the element of its cell 0, which need not be kept.
+    std::vector<std::size_t> m_rowAt, m_sumAt;
+    std::vector<std::size_t> m_sliceAt;  // for each slice, and behind the last: its first element of the sums
+    std::array<std::vector<Real>, 3> m_sums;
+};
+
+}  // namespace scrim

@@ -1,0 +1,434 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/passes/light_cells.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/engine/cells/cell_media.h>
+#include <scrim/engine/lamps/lamp.h>
+#include <scrim/engine/model/sub_lights.h>
+#include <scrim/engine/passes/sky_peaks.h>
+#include <scrim/engine/passes/sources.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <set>
+#include <span>
+#include <thread>
+#include <tuple>
+
+#include <glm/geometric.hpp>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/passes/light_cells.cpp"
+#include <hwy/foreach_target.h>
+#include <scrim/engine/passes/light_cells-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+// Passes the slices with one source after the other. Threads work on successive sources; each waits at every slice
+// until the source before it has passed there, so that the order of all sums is that of the sources, whatever the
+// number of threads. The checkpoint is called by the thread that called this.
+template <class Raster, class Make>
+HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& view, CellSlices& box,
+                         const std::function<void()>& checkpoint) {
+    const TowardsEye towards(view);
+    const std::thread::id caller = std::this_thread::get_id();
+    std::vector<std::atomic<int>> passed(count);
+    std::atomic<std::size_t> next{0};
+    // Whoever waits for a source goes on even if that one fails; then the others end, too.
+    struct Finish {
+        std::atomic<int>& passed;
+        std::atomic<std::size_t>& next;
+        int uncaught = std::uncaught_exceptions();
+        ~Finish() {
+            if (std::uncaught_exceptions() > uncaught) next.store(std::numeric_limits<std::size_t>::max() / 2);
+            passed.store(std::numeric_limits<int>::max(), std::memory_order_release);
+        }
+    };
+    parallelFor(std::min(count, std::size_t(threadCount())), [&](std::size_t) HWY_ATTR {
+        std::vector<Real> memory;
+        for (std::size_t m = next++; m < count; m = next++) {
+            const Finish finish{passed[m], next};
+            Raster raster = make(m, memory);
+            for (int step = 0; step < box.size[2] && next < std::numeric_limits<std::size_t>::max() / 2; ++step) {
+                if (step % 8 == 0 && std::this_thread::get_id() == caller) checkpoint();
+                while (m > 0 && passed[m - 1].load(std::memory_order_acquire) <= step) std::this_thread::yield();
+                for (int j = 0; raster.reaches(step) && j < box.size[1]; ++j)
+                    if (!box.wanted[box.rowIndex(j, raster.slice(step))].empty())
+                        raster.light(step, j, view, towards, box);
+                passed[m].store(step + 1, std::memory_order_release);
+                for (int row = 0; raster.reaches(step) && row < raster.rows(); ++row) raster.attenuate(step, row);
+            }
+        }
+    });
+}
+
+// Adds the light of sources that are all parallel and have the slices' axis as their main one, or of points. `down`:
+// only rays that pass the slices in descending order.
+HWY_ATTR void sweepCells(const std::vector<CellRays>& sources, const CellView& view, bool parallel, bool down,
+                         CellSlices& box, const std::function<void()>& checkpoint) {
+    const std::size_t count = sources.size();
+    if (parallel)
+        passSlices<ParallelRaster>(
+            count,
+            [&](std::size_t m, std::vector<Real>& memory) { return ParallelRaster(box, sources[m], view, memory); },
+            view, box, checkpoint);
+    else
+        passSlices<PointRaster>(
+            count,
+            [&](std::size_t m, std::vector<Real>& memory) { return PointRaster(box, sources[m], view, memory, down); },
+            view, box, checkpoint);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(sweepCells);
+
+namespace {
+
+// One pass of some sources of light through the cells, for one or all colours.
+class Pass {
+  public:
+    Pass(const ViewScene& scene, const CellGrid& grid, Simd simd, const std::function<void()>& checkpoint)
+        : m_scene(scene), m_grid(grid), m_simd(simd), m_checkpoint(checkpoint) {}
+
+    // `colour`: the only one that the slices' extinction is for; -1: all.
+    // `lamp`: what the sources stand for, if it is a lamp. `far`: what it shares with other lamps, if it does.
+    void add(const Sources& sources, const Octave& octave, const std::vector<WidePhase>& wide, const LampField* lamp,
+             int colour, CellSlices& slices, CellField& field, CellField* far = nullptr) const {
+        static const WidePhase kNarrow;
+        const std::size_t colours = colour < 0 ? field.colours() : 1;
+        CellView view{lamp ? Phase() : octave.phase, m_scene.camera.type == CameraType::orthographic, {}, colours, {}};
+        view.eye =
+            view.parallelEye ? slices.reordered(-viewingAxis(m_scene.camera)) : slices.place(m_scene.camera.wsPosition);
+        if (sources.blocked)
+            view.darkFrom = [&](const Vec3& from, const Vec3& perStep, bool parallel) {
+                const Vec3 ws = slices.wsPlace(from);
+                return darkFrom(ws, slices.wsPlace(from + perStep) - ws, parallel);
+            };
+        const auto before = lamp && hollowOnCells(lamp->lamp(), m_grid.edge())
+                                ? slices.hollow(lamp->lamp().wsPosition, lamp->lamp().area()->radius)
+                                : std::vector<std::pair<std::size_t, Real>>();
+        // Each light is sharpened alone, because what limits that depends on all that is in the sums.
+        const auto end = sources.owners.end();
+        for (auto first = sources.owners.begin(), last = first; first != end; first = last) {
+            last = std::upper_bound(first, end, *first);
+            slices.clearSums(colours);
+            sweep(sources, octave, wide.empty() ? kNarrow : wide[std::size_t(*first)],
+                  std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view, slices);
+            if (!lamp && sources.attenuated) slices.sharpen(colours);
+            slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
+        }
+        slices.restore(before);
+        if (far) slices.addFarLight(*lamp, colour, *far);
+    }
+
+  private:
+    // Adds the light of `count` sources from `first` on to the sums of the slices.
+    void sweep(const Sources& sources, const Octave& octave, const WidePhase& wide, std::size_t first,
+               std::size_t count, int colour, const CellView& view, CellSlices& slices) const {
+        std::vector<CellRays> suns[2], points;  // suns: those that go up, and those that go down
+        for (std::size_t i = first; i < first + count; ++i) {
+            const Light& light = sources.lights[i];
+            CellRays rays = raysOf(sources, light, slices);
+            rays.extinction = octave.extinction;
+            if (wide.ofSky) rays.phaseRow = wide.ofSky->row.data();
+            if (!wide.ofSun.empty()) rays.phaseRow = wide.ofSun.data();
+            if (wide.ofSurface) {
+                rays.caps = wide.ofSurface.get();
+                rays.capRadius = std::sqrt(sources.parts[i] / std::numbers::pi) / m_grid.edge();
+            }
+            // Relative to the tint where there is one value for all colours.
+            for (int c = 0; c < static_cast<int>(view.colours); ++c)
+                rays.weight[c] =
+                    static_cast<Real>(octave.share * (sources.colours == 3 ? light.intensity[colour < 0 ? c : colour]
+                                                                           : largest(light.intensity)));
+            if (!rays.parallel)
+                points.push_back(rays);
+            else if (axisOfLargest(glm::abs(light.wsDirection)) == slices.axes[2])
+                suns[rays.way.z < 0 ? 1 : 0].push_back(rays);
+        }
+        for (const bool down : {false, true}) {
+            SCRIM_ON_TARGET(m_simd, sweepCells)(suns[down ? 1 : 0], view, true, down, slices, m_checkpoint);
+            SCRIM_ON_TARGET(m_simd, sweepCells)(points, view, false, down, slices, m_checkpoint);
+        }
+    }
+    // Cells on both sides of a surface, less than a voxel away, are looked up together. If it hides what is behind it,
+    // the eye sees but one side of it: where the light shines on that one, cells behind it are lit, too, and else those
+    // in front are dark.
+    double darkFrom(const Vec3& ws, const Vec3& wsPerStep, bool parallel) const {
+        constexpr double kInfinity = std::numeric_limits<double>::infinity();
+        const double beside = 1.5 * std::max(voxelUnit(m_scene) / m_grid.edge(), 1.0);
+        const SolidHit hit =
+            m_scene.solids->trace(SolidRole::shadow, ws, wsPerStep, parallel ? -kInfinity : 0, kInfinity);
+        if (hit.t == kInfinity || !hit.solid->holdout) return hit.t;
+        const bool seen = glm::dot(hit.wsNormal, wsPerStep) *
+                              glm::dot(hit.wsNormal, -travelToEye(m_scene.camera, ws + hit.t * wsPerStep)) >
+                          0;
+        return hit.t + (seen ? beside : -beside);
+    }
+    CellRays raysOf(const Sources& sources, const Light& light, const CellSlices& slices) const {
+        CellRays rays{.parallel = light.distant(), .way = slices.reordered(light.wsDirection)};
+        rays.lamp = sources.lamp;
+        rays.attenuated = sources.attenuated;
+        rays.blocked = sources.blocked;
+        if (rays.parallel) return rays;
+        const double edge = m_grid.edge();
+        // A lamp exactly at the centre of a cell would belong to no face of the cube around it.
+        rays.from = slices.place(light.wsPosition + edge * Vec3(1e-4, 1.1e-4, 1.2e-4));
+        if (rays.lamp) return rays;  // the field divides by its distance
+        rays.radius2 = light.point().radius * light.point().radius / (edge * edge);
+        rays.decayScale = light.point().decay ? 1 / (edge * edge) : 0;
+        if (light.luminaire) rays.pattern = slices.seriesOf(light, wsBounds(m_scene));
+        rays.oneSided = light.element() != nullptr;
+        const Spread spread(rays.oneSided ? light.element()->spread : 180);
+        rays.spreadTangent = spread.tangent();
+        rays.spreadScale = spread.scale();
+        return rays;
+    }
+
+    const ViewScene& m_scene;
+    const CellGrid& m_grid;
+    Simd m_simd;
+    const std::function<void()>& m_checkpoint;
+};
+
+// What one class of volumes shows of some lights by one octave: a field, and the passes that fill it.
+struct Job {
+    int first;  // index of the first light; the same volumes hold back all
+    Sources sources;
+    Octave octave;
+    std::shared_ptr<CellField> field;           // of a lamp: what it shares with others; null: it is alone
+    std::shared_ptr<LampField> lamp = nullptr;  // of the only light, if it is a lamp
+    std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
+    std::size_t media = 0;                      // index of what holds the light back (addMedia)
+    std::vector<WidePhase> wide = {};           // for each light of `sources`; empty: of a lamp
+};
+
+// Lights share a field unless layers, or the volumes and solids that cast shadows in them, tell them apart. Lamps share
+// one with each other, and have small ones of their own.
+std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector<int>& lights) {
+    std::vector<int> lamps, others;
+    for (const int light : lights)
+        (isLampOnCells(scene, scene.lights[std::size_t(light)]) ? lamps : others).push_back(light);
+    std::vector<std::vector<int>> groups;
+    std::map<std::tuple<int, std::vector<bool>, bool>, std::vector<int>> alike;
+    for (const int light : others)
+        alike[{wants(scene, Layer::light) ? lightOfLayer(scene, light) : 0, castersIn(scene, std::size_t(light)),
+               isBlocked(scene, std::size_t(light))}]
+            .push_back(light);
+    for (const auto& [key, some] : alike) groups.push_back(some);
+    const bool together = lampsShareCells(scene);
+    if (together && !lamps.empty()) groups.push_back(lamps);
+    for (std::size_t i = 0; !together && i < lamps.size(); ++i) groups.push_back({lamps[i]});
+    return groups;
+}
+
+// Makes the jobs of one group of lights.
+class Jobs {
+  public:
+    Jobs(const ViewScene& scene, const std::vector<int>& group, std::shared_ptr<const CellGrid> grid, bool grey)
+        : m_scene(scene),
+          m_group(group),
+          m_grid(std::move(grid)),
+          m_grey(grey),
+          m_lamps(isLampOnCells(scene, scene.lights[std::size_t(group.front())])) {}
+
+    // Their fields become those of `direct` or, beyond the first octave, of `again`, which may be the same.
+    std::vector<Job> make(CellLight& direct, CellLight& again) const {
+        std::vector<Job> jobs;
+        // Volumes that scatter fully are apart, since others bring some lights to them.
+        const std::vector<ServedLight> served = servedLights(m_scene, m_group);
+        for (const bool full : {false, true})
+            for (const std::vector<int>& volumes : alikeVolumes(m_scene, [full](const ViewVolume& volume) {
+                     return !volume.field->empty() && !volume.holdout && scattersFully(volume) == full;
+                 })) {
+                std::vector<int> lit;
+                for (const int i : m_group)
+                    if (served[std::size_t(i)].volumes[std::size_t(volumes.front())] == Server::cells) lit.push_back(i);
+                if (lit.empty()) continue;
+                const std::vector<Octave> octaves = octavesOf(m_scene.volumes[std::size_t(volumes.front())].medium);
+                const bool apart = &direct != &again;
+                const std::span<const Octave> all(octaves);
+                add(lit, all.first(apart ? 1 : octaves.size()), volumes, direct, jobs);
+                if (apart && octaves.size() > 1) add(lit, all.subspan(1), volumes, again, jobs);
+            }
+        return jobs;
+    }
+
+  private:
+    // Adds the jobs of some octaves, whose light becomes that of these volumes.
+    void add(const std::vector<int>& lit, std::span<const Octave> octaves, const std::vector<int>& volumes,
+             CellLight& light, std::vector<Job>& jobs) const {
+        VolumeLight shown;
+        if (m_lamps)
+            addLamps(lit, octaves, shown, jobs);
+        else
+            addOthers(lit, octaves, shown, jobs);
+        if (!shown.field && shown.lamps.empty()) return;
+        const auto kept = std::make_shared<const VolumeLight>(std::move(shown));
+        for (const int v : volumes) light.ofVolume[std::size_t(v)] = kept;
+    }
+    void addOthers(const std::vector<int>& lit, std::span<const Octave> octaves, VolumeLight& shown,
+                   std::vector<Job>& jobs) const {
+        Sources sources = sourcesOf(m_scene, lit);
+        if (sources.lights.empty()) return;
+        if (!m_grey) sources.colours = 3;
+        if (sources.colours == 3) sources.tint = Rgb(1);
+        const auto field = std::make_shared<CellField>(m_grid, static_cast<int>(sources.colours), sources.tint);
+        shown.field = field;
+        for (const Octave& octave : octaves) {
+            Job& job = jobs.emplace_back(Job{lit.front(), sources, octave, field});
+            job.wide = widePhases(m_scene, sources, octave.phase);
+        }
+    }
+    // Lamps have fields of their own; if they share cells, these are small, and a field of all keeps the rest.
+    void addLamps(const std::vector<int>& lit, std::span<const Octave> octaves, VolumeLight& shown,
+                  std::vector<Job>& jobs) const {
+        const bool together = lampsShareCells(m_scene);
+        std::shared_ptr<CellField> far;
+        if (together) {
+            bool coloured = !m_grey;
+            const Rgb tint = m_scene.lights[std::size_t(lit.front())].intensity;
+            for (const int i : lit) coloured = coloured || !sameColour(tint, m_scene.lights[std::size_t(i)].intensity);
+            far = std::make_shared<CellField>(m_grid, coloured ? 3 : 1, coloured ? Rgb(1) : tint / largest(tint));
+        }
+        shown.field = far;
+        for (const int i : lit)
+            for (const Octave& octave : octaves) {
+                LampView view{m_scene.lights[std::size_t(i)], octave.phase, m_scene.camera, octave.extinction};
+                view.lamp.intensity *= octave.share;
+                view.attenuated = isHeldBack(m_scene, std::size_t(i));
+                view.nearby = together;
+                const auto cells =
+                    together ? cellsNear(view.lamp, *m_grid, cornerOfVoxels(m_scene, m_grid->edge())) : m_grid;
+                const auto lamp = std::make_shared<LampField>(view, cells, m_grey ? 1 : 3);
+                shown.lamps.push_back(lamp);
+                // What the cells keep is a transmittance; the field knows the lamp's share.
+                jobs.push_back({i, sourcesOf(m_scene, {i}), {{}, octave.extinction}, far, lamp});
+            }
+    }
+
+    const ViewScene& m_scene;
+    const std::vector<int>& m_group;
+    std::shared_ptr<const CellGrid> m_grid;
+    bool m_grey, m_lamps;
+};
+
+// Adds to `media`, which holds those of all volumes, those of the volumes alone that hold back the light of a job.
+void addMedia(const ViewScene& scene, const Vec3& wsCorner, double margin, Simd simd, std::vector<Job>& jobs,
+              std::vector<CellMedia>& media) {
+    std::vector<std::vector<bool>> sets(1);
+    for (const ViewVolume& volume : scene.volumes) sets[0].push_back(!volume.field->empty());
+    for (Job& job : jobs) {
+        if (!job.sources.attenuated) continue;
+        const std::vector<bool> casters = castersIn(scene, std::size_t(job.first));
+        job.media = std::size_t(std::find(sets.begin(), sets.end(), casters) - sets.begin());
+        if (job.media < sets.size()) continue;
+        sets.push_back(casters);
+        media.push_back(cellMedia(scene, {}, media[0].grid.edge(), simd, wsCorner, margin, false, casters));
+    }
+}
+
+// The jobs for these lights, whose fields become those of `all`.
+std::vector<Job> allJobs(const ViewScene& scene, const std::vector<int>& lights,
+                         const std::shared_ptr<const CellGrid>& grid, bool grey, std::vector<CellLight>& all) {
+    std::vector<Job> jobs;
+    std::map<int, std::shared_ptr<CellField>> open;  // by lamp
+    for (const std::vector<int>& group : groupsOf(scene, lights)) {
+        CellLight direct;
+        if (wants(scene, Layer::light)) direct.output = Output{Layer::light, lightOfLayer(scene, group.front())};
+        direct.ofVolume.resize(scene.volumes.size());
+        CellLight again = direct;
+        again.again = true;
+        const bool apart = wants(scene, Layer::indirect);
+        for (Job& job : Jobs(scene, group, grid, grey).make(direct, apart ? again : direct)) {
+            if (job.lamp && isBlocked(scene, std::size_t(job.first))) {
+                std::shared_ptr<CellField>& own = open[job.first];
+                if (!own) own = std::make_shared<CellField>(grid, 1);
+                job.open = own;
+            }
+            jobs.push_back(std::move(job));
+        }
+        all.push_back(std::move(direct));
+        if (std::ranges::any_of(again.ofVolume, [](const auto& light) { return light != nullptr; }))
+            all.push_back(std::move(again));
+    }
+    return jobs;
+}
+
+// What the fields of the jobs keep.
+std::size_t bytesOf(const std::vector<Job>& jobs) {
+    std::set<const CellField*> fields;
+    std::size_t bytes = 0;
+    for (const Job& job : jobs) {
+        for (const CellField* field : {job.field.get(), job.open.get()})
+            if (field && fields.insert(field).second) bytes += field->bytes();
+        if (job.lamp) bytes += job.lamp->bytes();
+    }
+    return bytes;
+}
+
+}  // namespace
+
+std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<int>& lights, double edge, Simd simd,
+                                    const std::function<void()>& checkpoint, std::size_t& bytes) {
+    // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them.
+    const double margin = (kernelRadius(scene) + 0.75 * scene.dials.sheetThickness) * voxelUnit(scene);
+    const Vec3 wsCorner = cornerOfVoxels(scene, edge);
+    std::vector<CellMedia> media{cellMedia(scene, {}, edge, simd, wsCorner, margin)};
+    const int reach = 1 + static_cast<int>(std::ceil(margin / edge));
+    const auto grid = std::make_shared<const CellGrid>(media.front().grid);
+    const std::size_t rows = media.front().extinction.size();
+    const bool grey = rows == 1;
+    std::vector<CellLight> all;
+    std::vector<Job> jobs = allJobs(scene, lights, grid, grey, all);
+    bytes += bytesOf(jobs);
+    addMedia(scene, wsCorner, margin, simd, jobs, media);
+    std::size_t most = 0;
+    const Pass pass(scene, *grid, simd, checkpoint);
+    CellSlices slices(*grid);
+    for (int axis = 0; axis < 3; ++axis) {
+        slices.layAlong(axis);
+        for (std::size_t i = 0; i < rows * media.size(); ++i) {
+            const std::size_t c = i / media.size(), m = i % media.size();
+            m == 0 ? slices.fill(media[m].extinction[c], reach) : slices.refill(media[m].extinction[c]);
+            for (const Job& job : jobs)
+                if (job.media == m)
+                    pass.add(job.sources, job.octave, job.wide, job.lamp.get(), grey ? -1 : static_cast<int>(c), slices,
+                             job.lamp ? job.lamp->values() : *job.field, job.lamp ? job.field.get() : nullptr);
+        }
+        std::set<const CellField*> opened;  // octaves of a lamp share it
+        for (const Job& job : jobs) {
+            if (!job.open || !opened.insert(job.open.get()).second) continue;
+            constexpr int kForEdges = 4;  // times as many points, whose shadows have edges
+            Sources open = sourcesOfLamp(job.lamp->lamp(), kForEdges * static_cast<int>(job.sources.lights.size()));
+            open.attenuated = false;
+            open.blocked = true;
+            pass.add(open, {}, {}, nullptr, -1, slices, *job.open);
+        }
+        most = std::max(most, slices.bytes());
+    }
+    for (const Job& job : jobs)
+        if (job.lamp)
+            job.lamp->makeMean(media[job.media], job.open);
+        else
+            addPeaks(scene, job.sources, job.wide, job.octave, media[job.media], *job.field, checkpoint);
+    for (const CellMedia& one : media) bytes += one.bytes();
+    bytes += most;
+    return all;
+}
+
+}  // namespace scrim
+#endif
