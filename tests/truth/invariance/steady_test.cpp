@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light that has scattered changes smoothly as the sun moves: second differences in time are small. A cell that one ray
+// reaches is lit through one row of cells until the ray leaves it at once.
+#include "support/fields.h"
+
+#include <scrim/geometry/camera.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+// Dense lumps with gaps between them, 0.6 of optical depth a voxel.
+ViewScene lumps(double g) {
+    const auto value = [](const Vec3& p) {
+        const double lump = std::sin(0.55 * p.x + 1) * std::sin(0.6 * p.y) * std::sin(0.5 * p.z + 2);
+        return glm::dot(p, p) < 18 * 18 && lump > 0.15 ? 1.0 : 0.0;
+    };
+    ViewScene scene =
+        orthographicScene(makeField(Int3(-18), Int3(18), 1, value), {0.6, Rgb(0.99), Phase{g}, Rgb(1)}, 40, 40);
+    scene.volumes[0].medium.scattering = Scattering::full;
+    scene.dials.scatterCell = 1.5;
+    scene.dials.scatterDirections = 64;
+    scene.layers = {Layer::indirect};
+    return scene;
+}
+
+// By RMS over that of the light itself, in the frames of a sun behind the lumps that turns by half a degree a frame.
+double secondDifference(ViewScene scene, int firstFrame) {
+    constexpr int kFrames = 6;
+    std::vector<std::vector<float>> frames;
+    for (int i = 0; i < kFrames; ++i) {
+        const double turn = 0.5 * (firstFrame + i) * std::numbers::pi / 180;
+        scene.lights = {distantLight(glm::normalize(Vec3(std::sin(turn), -0.4, std::cos(turn))), 3)};
+        frames.push_back(renderScene(scene).layers.front().data);
+    }
+    double squares = 0, all = 0;
+    for (std::size_t i = 0; i < frames[0].size(); ++i)
+        for (std::size_t n = 1; n + 1 < frames.size(); ++n) {
+            squares += std::pow(double(frames[n - 1][i]) - 2 * double(frames[n][i]) + double(frames[n + 1][i]), 2);
+            all += std::pow(double(frames[n][i]), 2);
+        }
+    return std::sqrt(squares / all);
+}
+
+TEST(ScatteredLight, IsSteadyWhileTheSunTurns) {
+    for (const double g : {0.0, 0.6})
+        for (const int first : {0, 30}) {
+            const double second = secondDifference(lumps(g), first);
+            std::printf("g %.1f from frame %d: %.5f\n", g, first, second);
+            EXPECT_LT(second, 0.009) << g << ", from frame " << first;
+        }
+}
+
+}  // namespace
+}  // namespace scrim::test
