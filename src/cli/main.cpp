@@ -106,7 +106,7 @@ struct CommandLine {
         CLI::App* command = app.add_subcommand("plan", "show what a render would do");
         addSceneOptions(*command, plan);
         addRenderOptions(*command, plan, "Options of a render (a plan writes no files)");
-        command->add_flag("--json", plan.json, "print JSON");
+        addPlanOptions(*command, plan);
     }
     void addStudy() {
         CLI::App* command = app.add_subcommand("study", "measure how long each accuracy takes on a scene");

@@ -184,6 +184,7 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
         [&o](const std::string& t) { o.wsUp = parseAxis(t); });
     addChoice(command, "--quality", presetNames(), "preset of all dials, in place of the scene's",
               [&o](std::size_t i) { o.quality = presetNames()[i]; });
+    addFile(command, "--dials", "FILE.toml", "dials of a shot, as scrim plan --write-dials writes them", o.dials);
     command.add_option("--set", o.sets, "change a value of the scene: camera.fov=20, light.key.intensity=3")
         ->type_name("KEY.PATH=VALUE")
         ->allow_extra_args(false);
@@ -243,6 +244,13 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
         });
     addProgress(command, o);
     command.option_defaults()->group("Options");
+}
+
+void addPlanOptions(CLI::App& command, SceneOptions& o) {
+    command.add_flag("--json", o.json, "print JSON");
+    addFile(command, "--write-dials", "FILE.toml",
+            "write the dials that the preset chooses, the most exact of all frames, for renders with --dials",
+            o.writeDials);
 }
 
 void addStudyOptions(CLI::App& command, SceneOptions& o) {

@@ -34,6 +34,7 @@ struct SceneOptions {
     std::optional<PixelWindow> crop;
     std::string quality;
     std::vector<std::string> sets;  ///< key.path=value
+    std::string dials;              ///< file of dials that replace the scene's; "": none
     int threads = 0;                ///< 0: all
     std::size_t memory = 0;         ///< bytes; 0: no limit
     MissingPolicy missing = MissingPolicy::error;
@@ -60,14 +61,17 @@ struct SceneOptions {
     bool emission = false;
     bool indirect = false;
 
-    bool json = false;  ///< for `scrim plan`
-    double budget = 0;  ///< for `scrim study`: seconds; 0: none
+    bool json = false;       ///< for `scrim plan`
+    std::string writeDials;  ///< `scrim plan`: the file to write; "": none
+    double budget = 0;       ///< for `scrim study`: seconds; 0: none
 };
 
 /// Adds the options that decide what is rendered, for `render` and `plan`. `options` must outlive the parse.
 void addSceneOptions(CLI::App& command, SceneOptions& options);
 /// Adds the options about the results of `render`. `group` is their title in the help.
 void addRenderOptions(CLI::App& command, SceneOptions& options, const std::string& group);
+/// Adds the options of `plan` alone.
+void addPlanOptions(CLI::App& command, SceneOptions& options);
 /// Adds the options of `study`.
 void addStudyOptions(CLI::App& command, SceneOptions& options);
 /// Adds the options of `bake`.

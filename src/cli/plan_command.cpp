@@ -2,6 +2,7 @@
 #include "plan_command.h"
 
 #include "console.h"
+#include "dials_file.h"
 #include "interrupt.h"
 #include "scene_input.h"
 
@@ -72,9 +73,11 @@ PlannedFrame planFrame(SceneInput& input, int frame, RenderOptions options) {
 void plan(const SceneOptions& options) {
     Console console(options.verbose, options.quiet);
     RenderOptions planning = renderOptionsOf(options, console.sink());
+    planning.dialsOfEachFrame = !options.writeDials.empty();
     planning.progress = [](double) { return interruptSignal() == 0; };
     std::vector<SceneInput> inputs = openInputs(options);
     Json all = Json::array();
+    ShotDials dials;
     bool first = true;
     for (SceneInput& input : inputs) {
         if (options.printScene) {
@@ -84,6 +87,7 @@ void plan(const SceneOptions& options) {
         for (const int frame : input.frames()) {
             PlannedFrame planned = planFrame(input, frame, planning);
             if (planned.text.empty()) continue;
+            dials.add(planned.json["plan"]["render"]);
             if (options.json)
                 all.push_back(std::move(planned.json));
             else
@@ -91,6 +95,7 @@ void plan(const SceneOptions& options) {
             first = false;
         }
     }
+    if (!options.writeDials.empty() && !options.printScene) dials.write(options.writeDials);
     if (options.json && !options.printScene) printOut(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 

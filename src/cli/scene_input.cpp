@@ -2,6 +2,7 @@
 #include "scene_input.h"
 
 #include "console.h"
+#include "dials_file.h"
 #include "guarded_loading.h"
 #include "interrupt.h"
 
@@ -29,6 +30,10 @@ std::vector<std::string> overridesOf(const SceneOptions& options) {
     std::vector<std::string> overrides;
     if (!options.quality.empty()) overrides.push_back(fmt::format("render.quality={}", tomlString(options.quality)));
     if (options.tolerance > 0) overrides.push_back(fmt::format("render.tolerance={}", options.tolerance));
+    if (!options.dials.empty()) {
+        const std::vector<std::string> dials = dialsOf(options.dials);
+        overrides.insert(overrides.end(), dials.begin(), dials.end());
+    }
     overrides.insert(overrides.end(), options.sets.begin(), options.sets.end());
     return overrides;
 }

@@ -170,13 +170,14 @@ std::optional<LoadedShot> Shot::Content::loadOnce(Scene scene, const RenderOptio
 
 void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, ShotUse use) {
     if ((!scene.keepsPromise && !choosesScattering(scene)) || scene.tolerance > 0) return;
-    if (!promised || promised->first != scene.quality) {
+    if (!promised || promised->first != scene.quality || options.dialsOfEachFrame) {
         RenderOptions whole = options;
         whole.crop.reset();
         whole.messages = [&](Severity severity, const std::string& what) {
             if (said.insert(what).second) notify(options.messages, severity, what);
         };
-        const int frame = text ? richestFrame(scene) : static_cast<int>(scene.frame);
+        const bool own = !text || options.dialsOfEachFrame;
+        const int frame = own ? static_cast<int>(scene.frame) : richestFrame(scene);
         Scene richest = scene;
         try {
             if (frame != static_cast<int>(scene.frame))

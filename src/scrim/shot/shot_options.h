@@ -65,6 +65,9 @@ struct RenderOptions {
     double verifyLimit = 0;           ///< seconds after which a verification ends; 0: no limit
     std::optional<double> tolerance;  ///< relative RMSE; replaces the scene's tolerance; 0: none
 
+    /// A preset chooses dials for each frame by itself, in place of one set for all frames of the shot.
+    bool dialsOfEachFrame = false;
+
     double previewExposure = 0;  ///< stops by which the preview is brighter than the picture
 
     /// Receives the finished fraction of the frame, 0 to 1. If it returns false, the work ends with Error(interrupted).
