@@ -151,7 +151,8 @@ openvdb::GridBase::Ptr GridEditor::gridFor(const Program& program, const AxUse& 
         fail(fmt::format("grid '{}' would be of type {}; expected f@{} or v@{}", use.name, use.type, use.name,
                          use.name));
     made->setName(use.name);
-    if (wanted == "float") made->setGridClass(openvdb::GRID_FOG_VOLUME);
+    // The class decides which grid is the density: one that is made must not be preferred to the one it is made like.
+    if (wanted == "float") made->setGridClass(like->getGridClass());
     all.grids.push_back(made);
     return made;
 }

@@ -102,10 +102,22 @@ TEST_F(CliErrors, NamedGridOfAnotherTypeIsRefusedWithTheUsableOnes) {
 TEST_F(CliErrors, EmptyGridGivesABlackFrameAndAWarning) {
     makeVdb(file("empty.vdb"), {MadeGrid{}});
     const ProgramResult result = runWell({"render", "empty.vdb", "--res", "20x10", "-q"});
-    EXPECT_EQ(result.err, "scrim: warning: empty.vdb: nothing to render: grid 'density' has no active voxels\n");
+    const std::string said =
+        "nothing to render: grid 'density' has no active voxels with values above 0 (below 1.2e-38 they count as 0)\n";
+    EXPECT_EQ(result.err, "scrim: warning: empty.vdb: " + said);
     const Image picture = readExr(file("empty.exr"));
     EXPECT_EQ(picture.rgba, std::vector<float>(4, 0.0f));  // one pixel: EXR cannot say "nothing"
     EXPECT_EQ(readExrAttributes(file("empty.exr")).at("displayWindow"), "0 0 20 10");
+    makeVdb(file("zeros.vdb"), {{.voxels = box({0, 0, 0}, {7, 7, 7}, 0)}});
+    EXPECT_EQ(runWell({"render", "zeros.vdb", "--res", "20x10", "-q"}).err, "scrim: warning: zeros.vdb: " + said);
+}
+
+// Means of values near the smallest that a float holds count as 0: the coarser field would be empty, and so out of
+// view.
+TEST_F(CliErrors, TheSmallestValuesAreInView) {
+    makeVdb(file("least.vdb"), {{.voxels = box({0, 0, 0}, {7, 7, 7}, 2e-38)}});
+    write("least.toml", kCamera + "[[volume]]\nfile = \"least.vdb\"\n" + kLight);
+    EXPECT_EQ(runWell({"render", "least.toml", "-o", "least.exr", "-q", "--set", "camera.position=[0,0,900]"}).err, "");
 }
 
 TEST_F(CliErrors, UnknownSourceOfASceneIsLocated) {
