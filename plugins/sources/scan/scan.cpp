@@ -7,6 +7,7 @@
 // The extension of the file decides its format:
 //   .nrrd .nhdr   NRRD, with its samples inside or in one file of the same folder, in any encoding that Teem knows
 //   .nii .nii.gz  NIfTI-1 or -2
+//   .hdr          NIfTI in two files; the other one ends in .img
 //   .dcm .dicom   DICOM: the series in the file's folder that the file belongs to, sorted by the slices' positions
 //   a folder      DICOM: the only series in it
 //   others        raw samples, x fastest; gzipped where the name ends in .gz
@@ -86,7 +87,7 @@ enum {
 // 'auto' means what a header says, and for raw files the first of the other words.
 constexpr scrim_parameter kParameters[kCount] = {
     {"file", SCRIM_STRING, "", 0, 0, nullptr,
-     "path of a .nrrd, .nhdr, .nii, .nii.gz, .dcm or raw file, or of a folder with a DICOM series"},
+     "path of a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .dcm or raw file, or of a folder with a DICOM series"},
     {"size", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "raw: samples along x, y, z"},
     {"type", SCRIM_STRING, "auto", 0, 0, "auto|uint8|int8|uint16|int16|uint32|int32|float|double",
      "raw: type of samples; auto: uint8"},
@@ -146,9 +147,9 @@ Scan readRawFile(const std::string& path, const scrim_value* values) {
 Scan readFile(const scrim_value* values) {
     const std::string path = values[kFile].text, name = lowerCase(path);
     if (path.empty())
-        throw std::runtime_error("expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .dcm or raw file, or a folder");
+        throw std::runtime_error("expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .dcm or raw file, or a folder");
     const bool nrrd = name.ends_with(".nrrd") || name.ends_with(".nhdr");
-    const bool nifti = name.ends_with(".nii") || name.ends_with(".nii.gz");
+    const bool nifti = name.ends_with(".nii") || name.ends_with(".nii.gz") || name.ends_with(".hdr");
     const bool dicom = isDicomFile(path) || isFolder(path);
     if (!nrrd && !nifti && !dicom) return readRawFile(path, values);
     const std::string_view automatic = "auto";
@@ -294,6 +295,7 @@ int emit(const scrim_host* host, const Scan& scan) {
 int generate(const scrim_host* host, const scrim_value* values) {
     try {
         Scan scan = readFile(values);
+        for (const std::string& note : scan.notes) host->warn(host, note.c_str());
         rescale(scan, values[kRescale].text);
         place(scan, values);
         scan = edited(std::move(scan), values);

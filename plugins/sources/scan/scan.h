@@ -23,6 +23,7 @@ struct Scan {
     glm::dvec3 origin{0};       ///< position of the first sample
     std::string type;           ///< type of the samples in the file: "uint8", "float", ...
     std::string space;          ///< directions of x, y and z: "right-anterior-superior"; "": the file does not say
+    std::vector<std::string> notes;  ///< what a user should know: "PATH: its slices are ... apart: resampled to ..."
     std::size_t indexOf(std::int64_t x, std::int64_t y, std::int64_t z) const {
         return static_cast<std::size_t>((z * size[1] + y) * size[0] + x);
     }
@@ -67,13 +68,14 @@ struct RawLayout {
 /// The samples of `path`, decompressed where its name ends in ".gz".
 std::vector<float> readRaw(const std::string& path, const RawLayout& layout);
 
-/// Read a whole file, with the type, size and place that its header states: NRRD through Teem, NIfTI-1 and -2 through
-/// the NIfTI library.
+/// Read a whole file, with the type, size and place that its header states: NRRD through Teem, NIfTI-1 and -2, in
+/// one file or a pair of them, through the NIfTI library.
 Scan readNrrd(const std::string& path);
 Scan readNifti(const std::string& path);
 
 /// Reads the DICOM series in a folder, or the one in its folder that a file belongs to, through GDCM. The path may also
-/// be that of a file that holds those of the folder (scrim_source.h). Samples are by slope and intercept.
+/// be that of a file that holds those of the folder (scrim_source.h). Samples are by slope and intercept. Slices at
+/// uneven distances are resampled, with a note; a missing slice is refused.
 Scan readDicom(const std::string& path);
 /// True for names that end in .dcm or .dicom.
 bool isDicomFile(const std::string& path);

@@ -316,7 +316,7 @@ TEST_F(CliErrors, UnknownQualityListsThePresets) {
 TEST_F(CliErrors, UnknownKindOfInputIsUsage) {
     expectFailure({"render", "smoke.png"}, kUsage,
                   "smoke.png: expected a scene (.toml), an asset (.vdb) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
-                  ".dcm, or a folder of DICOM files)");
+                  ".hdr, .dcm, or a folder of DICOM files)");
 }
 
 TEST_F(CliErrors, NoInputIsUsage) {
