@@ -128,11 +128,23 @@ std::optional<std::size_t> chooseNamed(const std::vector<GridOffer>& offers, con
     return named(offers, name, anyGrid);
 }
 
+namespace {
+
+/// OpenVDB 13 can keep trees of halves. What earlier versions call half is a float grid that is saved as half.
+const char* adviceOnHalf(const GridOffer& offer) {
+    return offer.valueType() == "half" ? "; half grids of OpenVDB 13 are not read, save it as a float grid (in half "
+                                         "precision, if you like)"
+                                       : "";
+}
+
+}  // namespace
+
 std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& request) {
     const bool colour = request.component != GridRequest::kScalar;
     const std::string name = shortened(request.grid, kNameLimit);
     if (!colour && request.grid.empty())
-        return offers.empty() ? "holds no grids" : "holds no float, half or double grid, only " + listOf(offers);
+        return offers.empty() ? "holds no grids"
+                              : "holds no float, half or double grid, only " + listOf(offers) + adviceOnHalf(offers[0]);
     const auto found = named(offers, request.grid, anyGrid);
     if (!found) return fmt::format("no grid '{}'; it holds {}", name, listOf(offers));
     const std::string held = shortened(offers[*found].valueType(), kNameLimit);
@@ -148,8 +160,8 @@ std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& r
             "there is {2}",
             name, held, listOf(offers));
     return fmt::format(
-        "grid '{}' holds {} values, where a float, half or double grid is expected; of those there is {}", name, held,
-        choices(scalarNames(offers)));
+        "grid '{}' holds {} values, where a float, half or double grid is expected; of those there is {}{}", name, held,
+        choices(scalarNames(offers)), adviceOnHalf(offers[*found]));
 }
 
 std::string listOf(const std::vector<GridOffer>& offers) {

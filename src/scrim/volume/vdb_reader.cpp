@@ -10,6 +10,7 @@
 #include <scrim/volume/vdb_part.h>
 
 #include <algorithm>
+#include <cstring>
 #include <istream>
 #include <numeric>
 #include <optional>
@@ -108,12 +109,21 @@ void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, c
                   kMessageLimit));
 }
 
+/// Gives a file of a newer version the last one that OpenVDB knows. OpenVDB would print a warning, which the confined
+/// process must not; the caller warns.
+void asKnownVersion(std::span<char> bytes) {
+    constexpr std::size_t kVersionAt = 8;  // behind the magic number
+    const std::uint32_t known = openvdb::OPENVDB_FILE_VERSION;
+    std::memcpy(bytes.data() + kVersionAt, &known, sizeof known);
+}
+
 /// Has OpenVDB parse `bytes` and returns the grids; everything it can throw becomes an Error.
 openvdb::GridPtrVec parse(ParsedVdb& content, std::span<char> bytes) {
     const std::string damaged = content.layout.isNewer
                                     ? fmt::format("file version {} is newer than what OpenVDB {} knows, or damaged: ",
                                                   content.layout.fileVersion, openvdb::getLibraryVersionString())
                                     : "truncated or damaged: ";
+    if (content.layout.isNewer) asKnownVersion(bytes);
     openvdb::GridPtrVec grids;
     try {
         MemoryBuffer buffer(bytes);
