@@ -262,6 +262,7 @@ struct OutputFile {
 struct SceneOutput : OutputFile {
     std::vector<OutputFile> files;  ///< further files, which hold other layers
     double fps = 24;
+    bool chromaticities = true;  ///< linear files state their primaries, beside the name of their space
     ScenePreview preview;
     SceneDeep deep;
     SceneHoldout holdout;
