@@ -47,9 +47,11 @@ enum class Layer {
 
 /// What a volume shows at frames before the first or after the last file of its sequence.
 enum class OutsidePolicy {
-    error,  ///< nothing: a missing file is an error
-    hold,   ///< the first or last file
-    black,  ///< no volume
+    error,     ///< nothing: a missing file is an error
+    hold,      ///< the first or last file
+    black,     ///< no volume
+    repeat,    ///< the sequence again, from its first file on
+    pingPong,  ///< the sequence backwards, then forwards, and so on; its ends are shown once
 };
 
 /// Maps a frame to the file of its sequence that a volume shows.

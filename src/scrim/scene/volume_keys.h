@@ -47,8 +47,9 @@ struct FrameKeys : SectionOf<SceneVolume> {
         other("keys", "a list of [frame, file number]", kPoints, Range::fromTo(-kLastFrame, kLastFrame, "frames"),
               "Retimes freely, in place of 'speed': linear between keys, constant outside of them.");
     const Key& outside =
-        choice("outside", {"error", "hold", "black"}, &SceneVolume::outside,
-               "What happens before the first and after the last file: an error, that file is shown, or no volume.");
+        choice("outside", {"error", "hold", "black", "repeat", "ping-pong"}, &SceneVolume::outside,
+               "What happens before the first and after the last file: an error, that file is shown, no volume, the "
+               "sequence from its other end, or the sequence backwards and forwards in turn (its ends once).");
 };
 
 struct DensityKeys : SectionOf<SceneVolume> {
