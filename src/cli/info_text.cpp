@@ -74,7 +74,7 @@ std::string gridText(const GridInfo& g) {
     }
     row("codec", g.codec.empty() ? "unknown" : g.codec);
     if (g.colour) row("usable", "as a colour");
-    if (!g.usable && !g.colour) row("usable", "no: not float, half or double");
+    if (!g.usable && !g.colour) row("usable", "no: neither numbers nor vectors of them");
     return text;
 }
 

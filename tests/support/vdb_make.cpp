@@ -61,6 +61,8 @@ openvdb::GridBase::Ptr typedGrid(const MadeGrid& made) {
     if (made.type == "float" || made.type == "half") return scalarGrid<openvdb::FloatGrid>(made);
     if (made.type == "double") return scalarGrid<openvdb::DoubleGrid>(made);
     if (made.type == "int32") return scalarGrid<openvdb::Int32Grid>(made);
+    if (made.type == "int64") return scalarGrid<openvdb::Int64Grid>(made);
+    if (made.type == "mask") return scalarGrid<openvdb::MaskGrid>(made);
     if (made.type == "bool") return scalarGrid<openvdb::BoolGrid>(made);
     if (made.type == "vec3s" || made.type == "vec3half") return vectorGrid<openvdb::Vec3SGrid>(made);
     if (made.type == "vec3d") return vectorGrid<openvdb::Vec3DGrid>(made);

@@ -28,8 +28,9 @@ struct MadeColour {
 
 struct MadeGrid {
     std::string name = "density";
-    /// float, half, double, int32, bool, vec3s, vec3d, vec3half, vec3i, points, or sphere: a level set of radius 10
-    /// voxels
+    /// float, half, double, int32, int64, bool, mask, vec3s, vec3d, vec3half, vec3i, points, or sphere: a level set of
+    /// radius 10 voxels
+    /// (makeNvdb: float, double, int32, bool, mask, vec3s, sphere, Fp4, Fp8, Fp16 or FpN)
     std::string type = "float";
     std::string gridClass = "fog volume";  ///< as OpenVDB spells it; "" for unknown
     std::vector<MadeVoxel> voxels{};

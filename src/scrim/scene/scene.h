@@ -152,9 +152,10 @@ struct Shutter {
 struct Emission {
     std::string grid;
     /// Maps grid values (ascending) to radiance per world unit: linear between points and constant outside of them, but
-    /// always 0 where the grid is 0. An empty ramp emits the grid value itself, in white. A blackbody is stored as a
+    /// always 0 where the grid is 0. An empty ramp emits the grid value itself, in `color`. A blackbody is stored as a
     /// ramp with a point every few Kelvin.
     std::vector<std::pair<double, Rgb>> ramp;
+    Rgb color{1};                              ///< without a ramp: what a grid value of 1 emits
     double scale = 1;                          ///< factor on the ramp's values
     bool blackbody = false;                    ///< the scene said `blackbody`; only messages depend on it
     double kelvinScale = 1, kelvinOffset = 0;  ///< blackbodies: kelvin = grid value * scale + offset

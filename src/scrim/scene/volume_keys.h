@@ -162,6 +162,9 @@ struct EmissionKeys : SectionOf<Emission> {
                     "Radiance per world unit = ramp(grid value) * scale, whatever the density. It lights volumes whose "
                     "scattering = \"full\".") {}
     const Key& grid = text("grid", "the name of a grid", "The grid that glows.").required();
+    const Key& colors = boolean("colors", false,
+                                "The grid holds colours in the working space: a vec3 grid, or three grids NAME.r, "
+                                "NAME.g and NAME.b. They are emitted as they are, in place of 'ramp'.");
     const Key& scale =
         number("scale", Range::fromTo(0, 1e30), &Emission::scale, "Factor on the grid's values.").keyed();
     const Key& ramp =

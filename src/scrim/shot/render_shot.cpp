@@ -50,8 +50,10 @@ void warnOfEmpty(const LoadedShot& shot, const MessageSink& messages) {
         // A single empty channel is fine: colours without any red exist.
         if (std::all_of(fields.albedo.begin(), fields.albedo.end(), empty))
             warn("the albedo is black", volume.albedoGrid->grid);
-        for (const auto& emission : fields.emission)
-            if (empty(emission)) warn("no emission", emission->name);
+        // Of colours a channel may be black.
+        for (std::size_t k = 0; k < fields.emission.size(); ++k)
+            if (empty(fields.emission[k]) && volume.emission[k].color == Rgb(1))
+                warn("no emission", fields.emission[k]->name);
     }
 }
 

@@ -310,7 +310,7 @@ std::string ParsedVdb::asFile() const {
 
 SparseField ParsedVdb::lastField(const GridRequest& request, const MessageSink& messages) {
     const auto choice = chooseGrid(offers, request);
-    if (choice && grids[choice->grid] && request.part == GridPart::whole && request.component == GridRequest::kScalar) {
+    if (choice && grids[choice->grid] && request.part == GridPart::whole && choice->component == GridRequest::kScalar) {
         grids[choice->grid] = inFloats(std::move(grids[choice->grid]));
         levelSetIntoFog(*grids[choice->grid], path, messages);
     }
@@ -335,8 +335,10 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
     try {
         if (request.part != GridPart::whole)
             return velocityFromGrid(grid, choice->component, request.part == GridPart::negative, path, messages);
-        return request.component == GridRequest::kScalar ? fieldFromGrid(grid, path, messages)
-                                                         : colourFromGrid(grid, choice->component, path, messages);
+        // A scalar may be a component of a vec3 grid.
+        return request.component == GridRequest::kScalar && choice->component == GridRequest::kScalar
+                   ? fieldFromGrid(grid, path, messages)
+                   : colourFromGrid(grid, choice->component, path, messages);
     } catch (const Error& error) {
         if (error.kind() == ErrorKind::input) throw GridError(error.what(), request);
         throw;

@@ -418,7 +418,7 @@ TEST_F(Asset, FilesOfNewerVersionsAreReadWithAWord) {
     write("half.vdb", bytes);
     EXPECT_TRUE(contains(runWell({"info", "half.vdb"}).out, "Tree_half_5_4_3")) << runWell({"info", "half.vdb"}).out;
     expectFailure({"render", "half.vdb", "-o", "half.exr"}, 3,
-                  "half.vdb: holds no float, half or double grid, only 'density2' (half); half grids of OpenVDB 13 are "
+                  "half.vdb: holds no scalar grid, only 'density2' (half); half grids of OpenVDB 13 are "
                   "not read, save it as a float grid (in half precision, if you like)");
 }
 

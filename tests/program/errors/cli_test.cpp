@@ -74,8 +74,7 @@ void expectTypeRefused(const std::string& folder, const std::string& type, const
     makeVdb(folder + "/odd.vdb", {{.name = "odd", .type = type, .voxels = {{{0, 0, 0}, 1}}}});
     const ProgramResult result = runProgram(folder, {"render", "odd.vdb"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err,
-              "scrim: error: odd.vdb: holds no float, half or double grid, only 'odd' (" + valueType + ")\n");
+    EXPECT_EQ(result.err, "scrim: error: odd.vdb: holds no scalar grid, only 'odd' (" + valueType + ")\n");
     EXPECT_FALSE(std::filesystem::exists(folder + "/odd.exr"));
 }
 
@@ -85,17 +84,16 @@ TEST_F(CliErrors, PointGridIsRefused) {
 TEST_F(CliErrors, VectorGridIsRefused) {
     expectTypeRefused(m_folder.path(), "vec3s", "vec3s");
 }
-TEST_F(CliErrors, IntegerGridIsRefused) {
-    expectTypeRefused(m_folder.path(), "int32", "int32");
+TEST_F(CliErrors, GridOfIntegerVectorsIsRefused) {
+    expectTypeRefused(m_folder.path(), "vec3i", "vec3i");
 }
 
 TEST_F(CliErrors, NamedGridOfAnotherTypeIsRefusedWithTheUsableOnes) {
     makeVdb(file("two.vdb"), {{.name = "fuel", .voxels = {{{0, 0, 0}, 1}}},
-                              {.name = "id", .type = "int32", .voxels = {{{0, 0, 0}, 1}}}});
+                              {.name = "id", .type = "vec3i", .voxels = {{{0, 0, 0}, 1}}}});
     write("grid.toml", kCamera + "[[volume]]\nfile = \"two.vdb\"\ndensity = { grid = \"id\" }\n");
     expectFailure({"render", "grid.toml"}, kInput,
-                  "grid.toml:8:20: two.vdb: grid 'id' holds int32 values, where a float, half or double grid is "
-                  "expected; of those "
+                  "grid.toml:8:20: two.vdb: grid 'id' holds vec3i values, where a scalar grid is expected; of those "
                   "there is 'fuel'");
 }
 
