@@ -57,6 +57,12 @@ void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Contai
 /// Two grids, "density" and "copy", that share one tree, the second at another place: a file says so with an instance.
 void makeVdbWithInstance(const std::string& path, const MadeGrid& density);
 
+/// The same as a NanoVDB file, as NanoVDB's own functions make it: all in one segment, or each in its own.
+enum class NanoCodec { none, zip, blosc };
+enum class NanoSegments { one, each };
+void makeNvdb(const std::string& path, const std::vector<MadeGrid>& grids, NanoCodec codec = NanoCodec::none,
+              NanoSegments segments = NanoSegments::one);
+
 /// A file's bytes; throws std::runtime_error.
 std::string readBytes(const std::string& path);
 void writeBytes(const std::string& path, const std::string& bytes);

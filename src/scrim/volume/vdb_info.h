@@ -39,6 +39,7 @@ struct VdbFileInfo {
     std::uint32_t fileVersion = 0;   ///< version of the file format, 222 to 225 these days
     std::uint32_t libraryMajor = 0;  ///< version of the OpenVDB that wrote it
     std::uint32_t libraryMinor = 0;
+    bool isNano = false;  ///< a NanoVDB file, and the versions are NanoVDB's
     std::uint64_t fileBytes = 0;
     std::vector<std::pair<std::string, std::string>> metadata;  ///< of the file ("creator", ...), clipped
     std::vector<GridInfo> grids;                                ///< in the file's order

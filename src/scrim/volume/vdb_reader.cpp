@@ -5,6 +5,7 @@
 #include <scrim/volume/grid_choice.h>
 #include <scrim/volume/grid_combiner.h>
 #include <scrim/volume/grid_editor.h>
+#include <scrim/volume/nano_grid.h>
 #include <scrim/volume/openvdb_field.h>
 #include <scrim/volume/vdb_layout.h>
 #include <scrim/volume/vdb_part.h>
@@ -168,6 +169,25 @@ void readSingly(const VdbBytes& file, ParsedVdb& content) {
         }
 }
 
+/// The same of a NanoVDB file.
+std::unique_ptr<ParsedVdb> readNano(const VdbBytes& file, std::unique_ptr<ParsedVdb> content,
+                                    const std::optional<std::vector<std::size_t>>& places) {
+    openvdb::initialize();
+    const std::vector<VdbLayout::Grid>& all = content->layout.grids;
+    content->grids.resize(all.size());
+    if (places) {
+        for (const std::size_t i : *places) content->grids[i] = readNanoGrid(file, all[i]);
+        return content;
+    }
+    content->problems.resize(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (content->offers[i].isScalar() || content->offers[i].isVector())
+            content->grids[i] = readNanoGrid(file, all[i]);
+        else
+            content->problems[i] = fmt::format("it has the type '{}', which is not read", all[i].type);
+    return content;
+}
+
 /// Opens the file for `requests` and the grids called `others`, or for all grids.
 std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequest>* requests,
                                 const std::vector<std::string>& others = {}) {
@@ -179,6 +199,7 @@ std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequ
     content->offers = offersOf(content->layout);
     std::optional<std::vector<std::size_t>> places;
     if (requests) places = neededGrids(content->layout, *requests, others);
+    if (content->layout.isNano) return readNano(file, std::move(content), places);
     std::vector<char> bytes = places ? partOfFile(file, content->layout, *places) : allOfFile(file);
 
     openvdb::initialize();
@@ -270,6 +291,7 @@ VdbFileInfo ParsedVdb::info() const {
     out.fileVersion = layout.fileVersion;
     out.libraryMajor = layout.libraryMajor;
     out.libraryMinor = layout.libraryMinor;
+    out.isNano = layout.isNano;
     out.fileBytes = bytes;
     out.metadata = metadata;
     const std::vector<VdbLayout::Grid>& described = layout.grids;
