@@ -330,7 +330,7 @@ bool ColourConfig::isLinear(const std::string& space) const {
         image.rgba[4 + c] = 2 * kGrey;
     }
     image.rgba[3] = image.rgba[7] = 1;
-    convert(image, space, workingSpace());
+    convert(image, workingSpace(), space);
     for (std::size_t c = 0; c < 3; ++c)
         if (std::abs(image.rgba[4 + c] - 2 * image.rgba[c]) > kAlike * std::abs(image.rgba[4 + c])) return false;
     return true;

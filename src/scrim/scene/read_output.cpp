@@ -68,7 +68,7 @@ void readFile(TomlTable& table, const Keys& k, const ReadContext& context, Outpu
                 "{}: {} is '{}', which is not linear: programs expect linear colours in EXR, and premultiplied ones "
                 "that are encoded cannot be composited; expected a linear space, such as '{}', and {} for a picture to "
                 "look at",
-                space->where(), space->name(), file.colorspace, context.colour.workingSpace(),
+                space->where(), space->name(), space->string(), context.colour.workingSpace(),
                 keysOf<OutputKeys>().preview));
     }
     if (const auto compression = table.find(k.compression))

@@ -263,7 +263,7 @@ TEST_F(CliErrors, OcioConfigThatRefersToItselfIsRefusedBeforeTheRender) {
     expectFailure({"render", "scene.toml", "--ocio", "ring.ocio", "--preview", "p.png"}, kInput,
                   "cannot make the view 'v' of display 'd': " + ring);
     expectFailure({"render", "scene.toml", "--ocio", "ring.ocio", "--set", "output.colorspace=a"}, kInput,
-                  "cannot convert from 'lin' to 'a': " + ring);
+                  "--set output.colorspace: 'colorspace': cannot convert from 'lin' to 'a': " + ring);
 }
 
 TEST_F(CliErrors, UnreadableOcioConfigOfTheEnvironmentIsNoSilentFallback) {
