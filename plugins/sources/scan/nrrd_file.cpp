@@ -74,15 +74,8 @@ std::optional<Space> spaceNamed(std::string text) {
     return {};
 }
 
-/// Refuses headers that name files elsewhere: an untrusted header must not choose any file of the disk.
 void checkFolder(const NrrdIoState& state, const std::string& path) {
-    for (unsigned i = 0; i < state.dataFNArr->len; ++i) {
-        const std::filesystem::path name = state.dataFN[i];
-        const bool climbs = std::find(name.begin(), name.end(), "..") != name.end();
-        if (climbs || name.is_absolute())
-            refuse(path, fmt::format("its samples are in '{}', expected a file in its own folder or below",
-                                     name.string().substr(0, 200)));
-    }
+    for (unsigned i = 0; i < state.dataFNArr->len; ++i) checkWithin(state.dataFN[i], path);
 }
 
 /// The text of a header, and what Scrim itself must know of it.
@@ -196,11 +189,42 @@ std::string sampleTypeOf(int type) {
     return type >= nrrdTypeChar && type <= nrrdTypeDouble ? kNames[type - nrrdTypeChar] : typeName(type);
 }
 
+/// The axes of a header: three of space, and perhaps one that counts volumes or the parts of vectors.
+struct Axes {
+    std::array<unsigned, 3> space{0, 1, 2};
+    unsigned component = 3;
+    std::int64_t components = 1;
+    Size size{};
+};
+
+/// The axis that is none of space: one without a direction beside three that have one, one whose kind says so, or the
+/// last.
+Axes axesOf(const Nrrd& nrrd, const std::string& path) {
+    if (nrrd.dim != 3 && nrrd.dim != 4) refuse(path, fmt::format("has {} dimensions, expected 3 or 4", nrrd.dim));
+    Axes axes;
+    if (nrrd.dim == 4) {
+        int undirected = 0;
+        for (unsigned i = 4; i-- > 0;) {
+            const NrrdAxisInfo& axis = nrrd.axis[i];
+            if (axis.kind != nrrdKindUnknown && (!nrrdKindIsDomain(axis.kind) || axis.kind == nrrdKindTime))
+                axes.component = i;
+        }
+        for (unsigned i = 0; i < 4 && nrrd.spaceDim == 3; ++i)
+            if (!std::isfinite(nrrd.axis[i].spaceDirection[0])) undirected += 1, axes.component = i;
+        if (undirected > 1) refuse(path, fmt::format("{} of its 4 axes have no direction, expected one", undirected));
+        axes.components = static_cast<std::int64_t>(nrrd.axis[axes.component].size);
+        for (unsigned i = 0, k = 0; i < 4; ++i)
+            if (i != axes.component) axes.space[k++] = i;
+    }
+    for (std::size_t k = 0; k < 3; ++k) axes.size[k] = static_cast<std::int64_t>(nrrd.axis[axes.space[k]].size);
+    return axes;
+}
+
 /// Refuses a header whose samples cannot be in the file.
-void checkBytes(const Nrrd& nrrd, const NrrdIoState& state, const std::string& path) {
-    const Size size{static_cast<std::int64_t>(nrrd.axis[0].size), static_cast<std::int64_t>(nrrd.axis[1].size),
-                    static_cast<std::int64_t>(nrrd.axis[2].size)};
-    const std::int64_t count = sampleCount(size, path);
+void checkBytes(const Nrrd& nrrd, const Axes& axes, const NrrdIoState& state, const std::string& path) {
+    const Size& size = axes.size;
+    const std::int64_t one = sampleCount(size, path);
+    const std::int64_t count = sampleCount({one, axes.components, 1}, path);
     const std::int64_t bytes = count * static_cast<std::int64_t>(nrrdTypeSize[nrrd.type]);
     const std::string file = dataFile(state, path);
     const std::int64_t stored = fileBytes(file);
@@ -216,10 +240,10 @@ void checkBytes(const Nrrd& nrrd, const NrrdIoState& state, const std::string& p
 }
 
 /// Sets steps and origin: from "space directions" if there are any, else from spacings along the axes.
-void place(const Nrrd& nrrd, const std::optional<Space>& space, Scan& scan) {
+void place(const Nrrd& nrrd, const Axes& axes, const std::optional<Space>& space, Scan& scan) {
     const bool spatial = nrrd.spaceDim == 3 || nrrd.spaceDim == 4;  // the fourth is time
     for (int axis = 0; axis < 3; ++axis) {
-        const NrrdAxisInfo& info = nrrd.axis[axis];
+        const NrrdAxisInfo& info = nrrd.axis[axes.space[static_cast<std::size_t>(axis)]];
         const bool directed = spatial && std::isfinite(info.spaceDirection[0]);
         for (int row = 0; row < 3; ++row) {
             const double along = std::isfinite(info.spacing) && info.spacing != 0 ? std::abs(info.spacing) : 1;
@@ -236,7 +260,7 @@ void place(const Nrrd& nrrd, const std::optional<Space>& space, Scan& scan) {
 
 }  // namespace
 
-Scan readNrrd(const std::string& path) {
+Scan readNrrd(const std::string& path, std::int64_t component) {
     fileBytes(path);
     // Teem would also accept pictures and other formats, which it recognises by their first bytes.
     std::string magic(4, '\0');
@@ -252,21 +276,30 @@ Scan readNrrd(const std::string& path) {
     std::string text = own.mended();
     load(header.get(), state.get(), path, text);
     checkFolder(*state, path);
-    if (header->dim != 3) refuse(path, fmt::format("has {} dimensions, expected 3", header->dim));
+    const Axes axes = axesOf(*header, path);
+    checkComponent(component, axes.components, path);
     if (header->type == nrrdTypeBlock || nrrdTypeSize[header->type] == 0)
         refuse(path, fmt::format("holds samples of type '{}', expected numbers", typeName(header->type)));
-    checkBytes(*header, *state, path);
+    checkBytes(*header, axes, *state, path);
 
     const NrrdOwner nrrd(nrrdNew());
     load(nrrd.get(), nullptr, path, text);
     Scan scan;
-    for (std::size_t axis = 0; axis < 3; ++axis) scan.size[axis] = static_cast<std::int64_t>(nrrd->axis[axis].size);
+    scan.size = axes.size;
     const std::optional<std::string> space = own.valueOf("space");
-    place(*nrrd, space ? spaceNamed(*space) : std::nullopt, scan);
+    place(*nrrd, axes, space ? spaceNamed(*space) : std::nullopt, scan);
     scan.type = sampleTypeOf(nrrd->type);
     scan.values.resize(static_cast<std::size_t>(sampleCount(scan.size, path)));
     const auto sample = nrrdFLookup[nrrd->type];
-    for (std::size_t i = 0; i < scan.values.size(); ++i) scan.values[i] = sample(nrrd->data, i);
+    std::array<std::size_t, 5> stride{1, 1, 1, 1, 1};
+    for (unsigned i = 0; i < nrrd->dim; ++i) stride[i + 1] = stride[i] * nrrd->axis[i].size;
+    const std::size_t first = static_cast<std::size_t>(std::max<std::int64_t>(component, 0)) * stride[axes.component];
+    const std::array<std::size_t, 3> step{stride[axes.space[0]], stride[axes.space[1]], stride[axes.space[2]]};
+    auto to = scan.values.begin();
+    for (std::size_t z = 0; z < nrrd->axis[axes.space[2]].size; ++z)
+        for (std::size_t y = 0; y < nrrd->axis[axes.space[1]].size; ++y)
+            for (std::size_t x = 0; x < nrrd->axis[axes.space[0]].size; ++x)
+                *to++ = sample(nrrd->data, first + x * step[0] + y * step[1] + z * step[2]);
     return scan;
 }
 

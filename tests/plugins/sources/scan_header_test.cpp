@@ -8,7 +8,7 @@
 namespace scrim::test {
 namespace {
 
-class ScanHeader : public BuiltSource {
+class ScanHeader : public ScanSource {
   protected:
     /// 24 bytes 1, 2, ... for 2 x 3 x 4 samples.
     static std::string counting() {
@@ -19,14 +19,6 @@ class ScanHeader : public BuiltSource {
     std::string nrrd(const std::string& name, const std::string& fields, const std::string& data = "") const {
         return write(name, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 3 4\n" + fields +
                                (name.ends_with(".nhdr") ? "" : "\n" + data));
-    }
-    static SparseField read(const std::string& path, Parameters more = {}) {
-        more.insert(more.begin(), {"file", path});
-        return make("scan", more);
-    }
-    static std::string refused(const std::string& path, Parameters more = {}) {
-        more.insert(more.begin(), {"file", path});
-        return reason("scan", more);
     }
     static void expectCounting(const SparseField& f) {
         for (int z = 0; z < 4; ++z)
@@ -173,7 +165,7 @@ TEST_F(ScanHeader, BadNrrdIsRefused) {
     EXPECT_NE(refused(cut).find("cut.nrrd: "), std::string::npos);
     const std::string flat =
         write("flat.nrrd", "NRRD0004\ntype: uint8\ndimension: 2\nsizes: 2 2\nencoding: raw\n\nabcd");
-    EXPECT_EQ(refused(flat), flat + ": has 2 dimensions, expected 3");
+    EXPECT_EQ(refused(flat), flat + ": has 2 dimensions, expected 3 or 4");
     const std::string huge = write(
         "huge.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2000000 2000000 2000000\nencoding: raw\n\nabcd");
     EXPECT_EQ(refused(huge), huge + ": 2000000 x 2000000 x 2000000 samples are too many, expected at most 2147483648");
@@ -238,7 +230,9 @@ TEST_F(ScanHeader, BadNiftiIsRefused) {
     series.dims[0] = 4;
     series.dims[4] = 2;
     const std::string film = write("film.nii", series.bytes() + counting() + counting());
-    EXPECT_EQ(refused(film), film + ": holds several volumes (4 dimensions), expected one");
+    EXPECT_EQ(refused(film), film + ": holds 2 volumes, expected one; component = 0 to 1 takes one of them");
+    EXPECT_EQ(refused(film, {{"component", "2"}}), film + ": holds 2 volumes, and no component 2");
+    expectCounting(read(film, {{"component", "1"}}));
     NiftiHeader colour;
     colour.type = 128;
     colour.bits = 24;

@@ -313,8 +313,8 @@ TEST_F(CliErrors, UnknownQualityListsThePresets) {
 
 TEST_F(CliErrors, UnknownKindOfInputIsUsage) {
     expectFailure({"render", "smoke.png"}, kUsage,
-                  "smoke.png: expected a scene (.toml), an asset (.vdb) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
-                  ".hdr, .dcm, or a folder of DICOM files)");
+                  "smoke.png: expected a scene (.toml), an asset (.vdb, .nvdb) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
+                  ".hdr, .mha, .mhd, .npy, .mrc, .dcm, or a folder of DICOM files)");
 }
 
 TEST_F(CliErrors, NoInputIsUsage) {

@@ -131,6 +131,19 @@ void SourceLoader::makeScans() const {
     nifti.sform = true;
     write("a.nii", nifti.bytes() + samples());
     write("a.nii.gz", gzipped(nifti.bytes() + samples()));
+    const std::string meta = "NDims = 3\nDimSize = 8 8 10\nElementType = MET_UCHAR\nElementDataFile = ";
+    write("a.mha", meta + "LOCAL\n" + samples());
+    write("a.mhd", meta + "samples.bin\n");
+    // A stream of zlib is that of gzip without its 10 bytes of header and 8 at the end, with 2 and 4 in their places.
+    const std::string packed = gzipped(samples());
+    uLong check = adler32(0, nullptr, 0);
+    check = adler32(check, reinterpret_cast<const Bytef*>(samples().data()), static_cast<uInt>(samples().size()));
+    std::string zlib = "\x78\x9c" + packed.substr(10, packed.size() - 18);
+    for (const int shift : {24, 16, 8, 0}) zlib += static_cast<char>(check >> shift & 0xff);
+    write("zip.mha", "CompressedData = True\n" + meta + "LOCAL\n" + zlib);
+    const std::string array = "{'descr': '|u1', 'fortran_order': False, 'shape': (8, 8, 10), }\n";
+    write("a.npy",
+          std::string("\x93NUMPY\1\0", 8) + std::string{static_cast<char>(array.size()), 0} + array + samples());
     nifti.pair = true;
     write("pair.hdr", nifti.bytes());
     write("pair.img", samples());
@@ -139,7 +152,7 @@ void SourceLoader::makeScans() const {
 TEST_F(SourceLoader, ReadsEveryKindOfScanAsThisProcessDoes) {
     makeScans();
     for (const char* name : {"raw.nrrd", "gzip.nrrd", "text.nrrd", "apart.nhdr", "apart_here.nhdr", "apart_gzip.nhdr",
-                             "a.nii", "a.nii.gz", "pair.hdr"})
+                             "a.nii", "a.nii.gz", "pair.hdr", "a.mha", "zip.mha", "a.mhd", "a.npy"})
         expectSameFields("scan", name, {{"window", "full"}});
     for (const char* name : {"samples.bin", "samples.bin.gz"}) expectSameFields("scan", name, {{"size", "8, 8, 10"}});
     write("floats.raw", std::string("\0\0\x80\x3f\0\0\xc0\x7f\0\0\x80\xbf\0\0\0\x40", 16));  // 1, NaN, -1, 2
