@@ -22,6 +22,7 @@ struct DicomSlice {
     /// Of each frame, "x\\y\\z", in the groups of attributes of Enhanced CT, which then hold directions and spacing,
     /// too.
     std::vector<std::string> framePositions;
+    std::vector<std::string> frameSlopes;  ///< of each frame, beside `framePositions`; empty: `slope` for all
     std::uint16_t rows = 3, columns = 2, samplesPerPixel = 1, bitsStored = 16, isSigned = 1;
     int highBit = -1;  ///< -1: the one below `bitsStored`
     int frames = 1;
@@ -83,13 +84,16 @@ struct DicomSlice {
     }
     std::string groups() const {
         const std::string measures = text(0x18, 0x50, "DS", thickness) + text(0x28, 0x30, "DS", spacing);
+        const auto lineOf = [&](const std::string& factor) {
+            return sequence(0x28, 0x9145, {text(0x28, 0x1052, "DS", intercept) + text(0x28, 0x1053, "DS", factor)});
+        };
         std::vector<std::string> own;
-        for (const std::string& place : framePositions)
-            own.push_back(sequence(0x20, 0x9113, {text(0x20, 0x32, "DS", place)}));
-        return sequence(
-                   0x5200, 0x9229,
-                   {sequence(0x20, 0x9116, {text(0x20, 0x37, "DS", directions)}) + sequence(0x28, 0x9110, {measures}) +
-                    sequence(0x28, 0x9145, {text(0x28, 0x1052, "DS", intercept) + text(0x28, 0x1053, "DS", slope)})}) +
+        for (std::size_t k = 0; k < framePositions.size(); ++k)
+            own.push_back(sequence(0x20, 0x9113, {text(0x20, 0x32, "DS", framePositions[k])}) +
+                          (frameSlopes.empty() ? "" : lineOf(frameSlopes[k])));
+        return sequence(0x5200, 0x9229,
+                        {sequence(0x20, 0x9116, {text(0x20, 0x37, "DS", directions)}) +
+                         sequence(0x28, 0x9110, {measures}) + (frameSlopes.empty() ? lineOf(slope) : "")}) +
                sequence(0x5200, 0x9230, own);
     }
 

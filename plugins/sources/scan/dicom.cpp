@@ -49,6 +49,11 @@ struct SliceFile {
     }
 };
 
+/// What makes values of samples: Hounsfield units for CT.
+struct Line {
+    double slope = 1, intercept = 0;
+};
+
 /// What a header says of a slice, or of a file of many frames, of which each becomes a slice.
 struct Slice {
     SliceFile file;
@@ -61,6 +66,7 @@ struct Slice {
     double thickness = 1;
     bool placed = false;  ///< the header has a position and directions
     bool isGrey = true;
+    std::shared_ptr<const std::vector<Line>> lines = nullptr;  ///< of each frame of the file; null: one for all of it
     /// What messages call it.
     std::string name() const { return frames > 1 ? fmt::format("frame {}", frame + 1) : file.name; }
     glm::dvec3 normal() const { return glm::cross(right, down); }
@@ -235,6 +241,19 @@ std::vector<glm::dvec3> framePositions(const gdcm::DataSet& data, std::int64_t f
     return positions;
 }
 
+/// The slopes and intercepts of a file's frames, of which each may have its own; null unless each has one.
+std::shared_ptr<const std::vector<Line>> frameLines(const gdcm::DataSet& data, std::int64_t frames) {
+    auto lines = std::make_shared<std::vector<Line>>();
+    for (std::int64_t k = 1; k <= frames; ++k) {
+        const auto group = frameGroup(data, gdcm::Tag(0x0028, 0x9145), k);
+        gdcm::Attribute<0x0028, 0x1053> slope;
+        gdcm::Attribute<0x0028, 0x1052> intercept;
+        if (!group || !read(*group, slope) || !read(*group, intercept)) return nullptr;
+        lines->push_back({slope.GetValue(), intercept.GetValue()});
+    }
+    return lines;
+}
+
 /// What a file of many frames says of its first frame, in groups of attributes, which GDCM reads from sorted frames
 /// only.
 void readFirstGroups(const gdcm::DataSet& data, Slice& slice) {
@@ -268,6 +287,7 @@ std::vector<Slice> framesOf(Slice file, const std::string& path) {
     file.down = {cosines[3], cosines[4], cosines[5]};
     file.spacing = {image.GetSpacing(0), image.GetSpacing(1)};
     readFirstGroups(data, file);
+    file.lines = frameLines(data, file.frames);
     const glm::dvec3 first(image.GetOrigin(0), image.GetOrigin(1), image.GetOrigin(2));
     double step = image.GetSpacing(2);
     gdcm::Attribute<0x0018, 0x0088> between;
@@ -403,11 +423,14 @@ void addSamples(const Slice& slice, const std::string& path, Scan& scan) {
     std::vector<char> buffer(image.GetBufferLength());
     if (!image.GetBuffer(buffer.data())) unreadable();
     const bool isSigned = format.GetPixelRepresentation() == 1;
-    const double slope = image.GetSlope(), intercept = image.GetIntercept();
-    for (std::size_t i = 0; i < count; ++i)
-        scan.values.push_back(static_cast<float>(
-            slope * sampleAt(buffer.data() + i * static_cast<std::size_t>(bytes), bytes, bits, lowest, isSigned) +
-            intercept));
+    const Line whole{image.GetSlope(), image.GetIntercept()};
+    const char* at = buffer.data();
+    for (std::size_t frame = 0; frame < static_cast<std::size_t>(slice.frames); ++frame) {
+        const Line line = slice.lines ? (*slice.lines)[frame] : whole;
+        for (std::int64_t i = 0; i < slice.columns * slice.rows; ++i, at += bytes)
+            scan.values.push_back(
+                static_cast<float>(line.slope * sampleAt(at, bytes, bits, lowest, isSigned) + line.intercept));
+    }
     scan.type = fmt::format("{}int{}", isSigned ? "" : "u", 8 * bytes);
 }
 

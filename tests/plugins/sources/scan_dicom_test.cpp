@@ -159,6 +159,11 @@ TEST_F(ScanDicom, FramesOfOneFileAreSortedByTheirOwnPositions) {
     expectCounting(f);
     EXPECT_EQ(transformPoint(f.wsFromIs, Vec3(0)), Vec3(10, 20, 30));
     EXPECT_EQ(transformVector(f.wsFromIs, Vec3(1, 1, 1)), Vec3(0.25, 0.5, 3));
+    // Each frame may have a slope of its own, as PET has: those of slices 1, 0, 3, 2.
+    file.intercept = "0";
+    file.frameSlopes = {"2", "1", "4", "3"};
+    const SparseField own = read(add("a.dcm", file));
+    for (int z = 0; z < 4; ++z) EXPECT_EQ(valueAt(own, Int3(1, 2, z)), float((z + 1) * (1024 + 6 + 6 * z))) << z;
     file.framePositions[0] = file.framePositions[1];
     add("a.dcm", file);
     EXPECT_EQ(refused(), folder() +
