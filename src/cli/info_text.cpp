@@ -74,7 +74,7 @@ std::string gridText(const GridInfo& g) {
     }
     row("codec", g.codec.empty() ? "unknown" : g.codec);
     if (g.colour) row("usable", "as a colour");
-    if (!g.usable && !g.colour) row("usable", "no: not float, half or double");
+    if (!g.usable && !g.colour) row("usable", "no: neither numbers nor vectors of them");
     return text;
 }
 
@@ -127,9 +127,10 @@ std::string rangeText(const std::string& name, const GridRange& g, std::size_t f
 }  // namespace
 
 std::string infoText(const VdbFileInfo& info) {
-    std::string text =
-        fmt::format("{}\n  {:<16} {}\n  {:<16} {}, written by OpenVDB {}.{}\n", info.path, "bytes", info.fileBytes,
-                    "file version", info.fileVersion, info.libraryMajor, info.libraryMinor);
+    std::string text = fmt::format("{}\n  {:<16} {}\n  {:<16} ", info.path, "bytes", info.fileBytes, "file version");
+    text += info.isNano
+                ? fmt::format("NanoVDB {}.{}\n", info.libraryMajor, info.libraryMinor)
+                : fmt::format("{}, written by OpenVDB {}.{}\n", info.fileVersion, info.libraryMajor, info.libraryMinor);
     for (const auto& [name, value] : info.metadata) text += fmt::format("  {:<16} {}\n", name, value);
     for (const GridInfo& grid : info.grids) text += gridText(grid);
     return text;

@@ -18,6 +18,10 @@ set(CMAKE_MODULE_PATH ${scrim_module_path})
 unset(BUILD_SHARED_LIBS)
 unset(BUILD_SHARED_LIBS CACHE)
 
+# NanoVDB consists of headers. Its files may be compressed by Blosc, which OpenVDB uses, too.
+find_path(SCRIM_NANOVDB_INCLUDE nanovdb/NanoVDB.h REQUIRED)
+find_library(SCRIM_BLOSC_LIBRARY blosc REQUIRED)
+
 # OpenVDB AX has no config of its own. It brings LLVM along, so that builds may do without it.
 find_path(SCRIM_AX_INCLUDE openvdb_ax/ax.h)
 find_library(SCRIM_AX_LIBRARY openvdb_ax)

@@ -29,6 +29,7 @@ class Parts {
   public:
     explicit Parts(const char* path) : m_at(path) { skip(); }
     bool done() const { return *m_at == '\0'; }
+    std::string_view rest() const { return m_at; }
     std::string_view next() {
         const std::string_view part(m_at, std::strcspn(m_at, "/"));
         m_at += part.size();
@@ -44,17 +45,30 @@ class Parts {
     const char* m_at;
 };
 
-/// The name of `path` within the folder of our file; "" where it is elsewhere.
+/// True where no part leads upwards.
+bool isBelow(Parts parts) {
+    while (!parts.done())
+        if (parts.next() == "..") return false;
+    return true;
+}
+
+/// The name of `path` within the folder of our file, or below it ("slices/ct.raw"); "" where it is elsewhere.
 std::string_view nameInFolder(const char* path) {
     const char* ours = s_path->c_str();
     if ((*path == '/') != (*ours == '/')) return {};
     Parts parts(path), ourParts(ours);
-    while (!parts.done() && !ourParts.done()) {
-        const std::string_view part = parts.next(), ourPart = ourParts.next();
-        if (parts.done() && ourParts.done()) return part;
-        if (part != ourPart) return {};
+    for (;;) {
+        const std::string_view ourPart = ourParts.next();
+        if (ourParts.done()) return isBelow(parts) ? parts.rest() : std::string_view();
+        if (parts.done() || parts.next() != ourPart) return {};
     }
-    return {};
+}
+
+bool areSame(const char* name, const char* other) {
+    Parts parts(name), others(other);
+    while (!parts.done() && !others.done())
+        if (parts.next() != others.next()) return false;
+    return parts.done() && others.done();
 }
 
 /// The descriptor of the file called `path`; -1: there is none.
@@ -62,8 +76,9 @@ int fileCalled(const char* path) {
     if (path == nullptr) return -1;
     const std::string_view name = nameInFolder(path);
     if (name.empty()) return -1;
-    if (name == nameInFolder(s_path->c_str())) return s_file;
-    if (s_beside != nullptr && name == *s_beside) return s_besideFile;
+    // Names reach to the end of their paths, so that they end with a zero byte.
+    if (areSame(name.data(), nameInFolder(s_path->c_str()).data())) return s_file;
+    if (s_beside != nullptr && areSame(name.data(), s_beside->c_str())) return s_besideFile;
     if (name.size() <= kLongestName && !s_anyLacked.test_and_set()) name.copy(s_lacked, kLongestName);
     return -1;
 }

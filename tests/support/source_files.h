@@ -35,6 +35,7 @@ struct NiftiHeader {
     float spacing[8]{1, 2, 3, 4, 0, 0, 0, 0};
     float slope = 0, intercept = 0;
     bool sform = false;
+    bool pair = false;  ///< the samples are in another file, "NAME.img" beside "NAME.hdr"
 
     std::string bytes() const {
         std::string h(352, '\0');
@@ -44,7 +45,7 @@ struct NiftiHeader {
         put(70, type);
         put(72, bits);
         put(76, spacing);
-        put(108, 352.0f);
+        put(108, pair ? 0.0f : 352.0f);
         put(112, slope);
         put(116, intercept);
         if (sform) {
@@ -52,7 +53,7 @@ struct NiftiHeader {
             const float rows[12]{0, 0, 4, 10, 2, 0, 0, 20, 0, 3, 0, 30};
             put(280, rows);
         }
-        std::memcpy(h.data() + 344, "n+1", 4);
+        std::memcpy(h.data() + 344, pair ? "ni1" : "n+1", 4);
         return h;
     }
 };

@@ -11,6 +11,10 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/tools/LevelSetSphere.h>
+#define NANOVDB_USE_ZIP
+#define NANOVDB_USE_BLOSC
+#include <nanovdb/util/IO.h>
+#include <nanovdb/util/OpenToNanoVDB.h>
 
 namespace scrim::test {
 
@@ -58,9 +62,12 @@ openvdb::GridBase::Ptr pointGrid(const MadeGrid& made) {
 }
 
 openvdb::GridBase::Ptr typedGrid(const MadeGrid& made) {
-    if (made.type == "float" || made.type == "half") return scalarGrid<openvdb::FloatGrid>(made);
+    if (made.type == "float" || made.type == "half" || made.type.starts_with("Fp"))
+        return scalarGrid<openvdb::FloatGrid>(made);
     if (made.type == "double") return scalarGrid<openvdb::DoubleGrid>(made);
     if (made.type == "int32") return scalarGrid<openvdb::Int32Grid>(made);
+    if (made.type == "int64") return scalarGrid<openvdb::Int64Grid>(made);
+    if (made.type == "mask") return scalarGrid<openvdb::MaskGrid>(made);
     if (made.type == "bool") return scalarGrid<openvdb::BoolGrid>(made);
     if (made.type == "vec3s" || made.type == "vec3half") return vectorGrid<openvdb::Vec3SGrid>(made);
     if (made.type == "vec3d") return vectorGrid<openvdb::Vec3DGrid>(made);
@@ -112,7 +119,38 @@ openvdb::GridBase::Ptr make(const MadeGrid& made) {
     return grid;
 }
 
+template <typename Open, typename Nano>
+nanovdb::GridHandle<> nanoAs(const openvdb::GridBase& grid) {
+    using Grid = openvdb::Grid<typename openvdb::tree::Tree4<Open>::Type>;
+    nanovdb::OpenToNanoVDB<Open, Nano> convert;
+    return convert(static_cast<const Grid&>(grid));
+}
+
+nanovdb::GridHandle<> nanoGrid(const MadeGrid& made) {
+    const openvdb::GridBase::Ptr grid = make(made);
+    if (made.type == "Fp4") return nanoAs<float, nanovdb::Fp4>(*grid);
+    if (made.type == "Fp8") return nanoAs<float, nanovdb::Fp8>(*grid);
+    if (made.type == "Fp16") return nanoAs<float, nanovdb::Fp16>(*grid);
+    if (made.type == "FpN") return nanoAs<float, nanovdb::FpN>(*grid);
+    if (made.type == "double") return nanoAs<double, double>(*grid);
+    if (made.type == "int32") return nanoAs<std::int32_t, std::int32_t>(*grid);
+    if (made.type == "vec3s") return nanoAs<openvdb::Vec3f, nanovdb::Vec3f>(*grid);
+    if (made.type == "bool") return nanoAs<bool, bool>(*grid);
+    if (made.type == "mask") return nanoAs<openvdb::ValueMask, nanovdb::ValueMask>(*grid);
+    return nanoAs<float, float>(*grid);
+}
+
 }  // namespace
+
+void makeNvdb(const std::string& path, const std::vector<MadeGrid>& grids, NanoCodec codec, NanoSegments segments) {
+    openvdb::initialize();
+    std::vector<nanovdb::GridHandle<>> made;
+    for (const MadeGrid& grid : grids) made.push_back(nanoGrid(grid));
+    std::ofstream file(path, std::ios::binary);
+    const auto packed = static_cast<nanovdb::io::Codec>(codec);
+    if (segments == NanoSegments::one) return nanovdb::io::writeGrids(file, made, packed);
+    for (const nanovdb::GridHandle<>& grid : made) nanovdb::io::writeGrid(file, grid, packed);
+}
 
 double frustumVolume(const MadeGrid& grid, const Int3& lower, const Int3& upper) {
     const auto transform = transformOf(grid);

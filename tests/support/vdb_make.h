@@ -28,8 +28,9 @@ struct MadeColour {
 
 struct MadeGrid {
     std::string name = "density";
-    /// float, half, double, int32, bool, vec3s, vec3d, vec3half, vec3i, points, or sphere: a level set of radius 10
-    /// voxels
+    /// float, half, double, int32, int64, bool, mask, vec3s, vec3d, vec3half, vec3i, points, or sphere: a level set of
+    /// radius 10 voxels
+    /// (makeNvdb: float, double, int32, bool, mask, vec3s, sphere, Fp4, Fp8, Fp16 or FpN)
     std::string type = "float";
     std::string gridClass = "fog volume";  ///< as OpenVDB spells it; "" for unknown
     std::vector<MadeVoxel> voxels{};
@@ -55,6 +56,12 @@ void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Contai
 
 /// Two grids, "density" and "copy", that share one tree, the second at another place: a file says so with an instance.
 void makeVdbWithInstance(const std::string& path, const MadeGrid& density);
+
+/// The same as a NanoVDB file, as NanoVDB's own functions make it: all in one segment, or each in its own.
+enum class NanoCodec { none, zip, blosc };
+enum class NanoSegments { one, each };
+void makeNvdb(const std::string& path, const std::vector<MadeGrid>& grids, NanoCodec codec = NanoCodec::none,
+              NanoSegments segments = NanoSegments::one);
 
 /// A file's bytes; throws std::runtime_error.
 std::string readBytes(const std::string& path);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <fstream>
 #include <memory>
 
 #include <fmt/format.h>
@@ -58,19 +59,36 @@ void place(const nifti_image& image, Scan& scan) {
     scan.space = "right-anterior-superior";
 }
 
+/// Refuses a header without NIfTI's mark, for which the library would look up the sides of the head in the spirit of
+/// SPM.
+void checkPair(const std::string& path) {
+    constexpr std::size_t kMarkAt = 344, kMarkAtOf2 = 4;
+    std::string start(kMarkAt + 4, '\0');
+    std::ifstream file(path, std::ios::binary);
+    file.read(start.data(), static_cast<std::streamsize>(start.size()));
+    const bool is1 = file.gcount() == static_cast<std::streamsize>(start.size()) && start.substr(kMarkAt, 2) == "ni";
+    if (!is1 && start.substr(kMarkAtOf2, 2) != "ni")
+        refuse(path,
+               "is no NIfTI header; if it is one of Analyze 7.5, which does not say where left is, convert it to "
+               "NIfTI (fslchfiletype NIFTI, or 3D Slicer)");
+}
+
 }  // namespace
 
-Scan readNifti(const std::string& path) {
+Scan readNifti(const std::string& path, std::int64_t component) {
     fileBytes(path);
     nifti_set_debug_level(0);  // the library would print messages
+    if (lowerCase(path).ends_with(".hdr")) checkPair(path);
     const std::unique_ptr<nifti_image, Free> image(nifti_image_read(path.c_str(), 0));
     if (!image) refuse(path, "is not a NIfTI file, or its header is damaged");
-    if (image->nx * image->ny * image->nz != static_cast<std::int64_t>(image->nvox))
-        refuse(path, fmt::format("holds several volumes ({} dimensions), expected one", image->ndim));
+    Size size{image->nx, std::max<std::int64_t>(image->ny, 1), std::max<std::int64_t>(image->nz, 1)};
+    const std::int64_t samples = sampleCount(size, path), all = static_cast<std::int64_t>(image->nvox);
+    checkComponent(component, all / samples, path);
+    if (all % samples != 0) refuse(path, "its header is damaged");
 
     Scan scan;
     RawLayout layout;
-    layout.size = scan.size = {image->nx, std::max<std::int64_t>(image->ny, 1), std::max<std::int64_t>(image->nz, 1)};
+    layout.size = scan.size = size;
     layout.type = typeOf(*image, path);
     scan.type = nameOf(layout.type);
     const bool swapped = image->byteorder != nifti_short_order();
@@ -78,6 +96,7 @@ Scan readNifti(const std::string& path) {
     layout.header = image->iname_offset;
     layout.exact = false;
     if (layout.header < 0) refuse(path, "the offset of its samples is negative");
+    layout.header += std::max<std::int64_t>(component, 0) * samples * bytesOf(layout.type);
     place(*image, scan);
     scan.values = readRaw(image->iname, layout);
     if (image->scl_slope != 0 && std::isfinite(image->scl_slope) && std::isfinite(image->scl_inter))

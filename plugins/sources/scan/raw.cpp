@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -63,6 +66,16 @@ float sample(const char* bytes, bool swap) {
     return static_cast<float>(std::bit_cast<T>(raw));
 }
 
+/// The value of a half float (IEEE 754 binary16).
+float fromHalf(std::uint16_t bits) {
+    const int exponent = bits >> 10 & 0x1f, fraction = bits & 0x3ff;
+    const float magnitude = exponent == 0    ? std::ldexp(static_cast<float>(fraction), -24)
+                            : exponent == 31 ? (fraction == 0 ? std::numeric_limits<float>::infinity()
+                                                              : std::numeric_limits<float>::quiet_NaN())
+                                             : std::ldexp(static_cast<float>(fraction + 1024), exponent - 25);
+    return (bits & 0x8000) != 0 ? -magnitude : magnitude;
+}
+
 float sample(SampleType type, const char* bytes, bool swap) {
     switch (type) {
         case SampleType::uint8:
@@ -80,21 +93,64 @@ float sample(SampleType type, const char* bytes, bool swap) {
         case SampleType::float32:
             return sample<float>(bytes, swap);
         case SampleType::float64:
+            return sample<double>(bytes, swap);
+        case SampleType::uint64:
+            return sample<std::uint64_t>(bytes, swap);
+        case SampleType::int64:
+            return sample<std::int64_t>(bytes, swap);
+        case SampleType::float16:
             break;
     }
-    return sample<double>(bytes, swap);
+    return fromHalf(static_cast<std::uint16_t>(sample<std::uint16_t>(bytes, swap)));
 }
+
+/// A stream of zlib within a file.
+class Inflated {
+  public:
+    Inflated(const std::string& path, std::int64_t begin) : m_path(path), m_file(path, std::ios::binary) {
+        m_file.seekg(begin);
+        if (!m_file || inflateInit(&m_stream) != Z_OK) refuse(path, "cannot be opened");
+    }
+    ~Inflated() { inflateEnd(&m_stream); }
+    Inflated(const Inflated&) = delete;
+    Inflated& operator=(const Inflated&) = delete;
+
+    /// Reads up to `count` bytes; fewer at the end. Throws on damaged compression.
+    std::int64_t read(char* to, std::int64_t count) {
+        m_stream.next_out = reinterpret_cast<Bytef*>(to);
+        m_stream.avail_out = static_cast<uInt>(count);
+        while (m_stream.avail_out > 0 && !m_ended) {
+            if (m_stream.avail_in == 0) {
+                m_file.read(m_packed.data(), static_cast<std::streamsize>(m_packed.size()));
+                m_stream.next_in = reinterpret_cast<Bytef*>(m_packed.data());
+                m_stream.avail_in = static_cast<uInt>(m_file.gcount());
+                if (m_stream.avail_in == 0) break;
+            }
+            const int code = inflate(&m_stream, Z_NO_FLUSH);
+            m_ended = code == Z_STREAM_END;
+            if (code != Z_OK && !m_ended) refuse(m_path, "its compressed data is damaged");
+        }
+        return count - m_stream.avail_out;
+    }
+
+  private:
+    std::string m_path;
+    std::ifstream m_file;
+    z_stream m_stream{};
+    std::array<char, 1 << 14> m_packed{};
+    bool m_ended = false;
+};
 
 }  // namespace
 
 std::int64_t bytesOf(SampleType type) {
-    constexpr std::array<std::int64_t, 8> kBytes{1, 1, 2, 2, 4, 4, 4, 8};
+    constexpr std::array<std::int64_t, kSampleTypes> kBytes{1, 1, 2, 2, 4, 4, 4, 8, 8, 8, 2};
     return kBytes[static_cast<std::size_t>(type)];
 }
 
 std::string nameOf(SampleType type) {
-    constexpr std::array<const char*, 8> kNames{"uint8",  "int8",  "uint16", "int16",
-                                                "uint32", "int32", "float",  "double"};
+    constexpr std::array<const char*, kSampleTypes> kNames{"uint8", "int8",   "uint16", "int16", "uint32", "int32",
+                                                           "float", "double", "uint64", "int64", "half"};
     return kNames[static_cast<std::size_t>(type)];
 }
 
@@ -115,6 +171,21 @@ std::string lowerCase(std::string text) {
 
 void refuse(const std::string& path, const std::string& reason) {
     throw std::runtime_error(path + ": " + reason);
+}
+
+void checkComponent(std::int64_t component, std::int64_t count, const std::string& path) {
+    if (component < 0 && count != 1)
+        refuse(path, fmt::format("holds {0} volumes, expected one; component = 0 to {1} takes one of them", count,
+                                 count - 1));
+    if (component >= std::max<std::int64_t>(count, 1))
+        refuse(path, fmt::format("holds {} volume{}, and no component {}", count, count == 1 ? "" : "s", component));
+}
+
+void checkWithin(const std::string& name, const std::string& path) {
+    const std::filesystem::path file(name);
+    if (std::find(file.begin(), file.end(), "..") != file.end() || file.is_absolute())
+        refuse(path,
+               fmt::format("its samples are in '{}', expected a file in its own folder or below", name.substr(0, 200)));
 }
 
 std::int64_t sampleCount(const Size& size, const std::string& path) {
@@ -148,7 +219,7 @@ void checkRatio(std::int64_t compressed, std::int64_t bytes, const std::string& 
 std::vector<float> readRaw(const std::string& path, const RawLayout& layout) {
     const std::int64_t count = sampleCount(layout.size, path), width = bytesOf(layout.type);
     const std::int64_t expected = layout.header + count * width, stored = fileBytes(path);
-    const bool compressed = path.ends_with(".gz");
+    const bool compressed = path.ends_with(".gz") || layout.deflated;
     const std::string declared = fmt::format("{} bytes ({} of {} after {} bytes of header)", expected,
                                              textOf(layout.size), nameOf(layout.type), layout.header);
     if (compressed)
@@ -156,16 +227,23 @@ std::vector<float> readRaw(const std::string& path, const RawLayout& layout) {
     else if (stored < expected || (layout.exact && stored > expected))
         refuse(path, fmt::format("has {} bytes, expected {}", stored, declared));
 
-    Bytes in(path, compressed);
+    // A confined process must not have the file open twice: its descriptors share one position.
+    std::optional<Inflated> inflated;
+    std::optional<Bytes> in;
+    if (layout.deflated)
+        inflated.emplace(path, layout.header);
+    else
+        in.emplace(path, compressed);
     std::vector<char> chunk(static_cast<std::size_t>(1 << 16));  // a multiple of every sample's width
     const auto limit = static_cast<std::int64_t>(chunk.size());
     std::int64_t got = 0;
     const auto fetch = [&](std::int64_t bytes) {
-        const std::int64_t n = in.read(chunk.data(), bytes);
+        const std::int64_t n = inflated ? inflated->read(chunk.data(), bytes) : in->read(chunk.data(), bytes);
         got += n;
         if (n < bytes) refuse(path, fmt::format("ends after {} bytes, expected {}", got, declared));
     };
-    for (std::int64_t left = layout.header; left > 0; left -= std::min(left, limit)) fetch(std::min(left, limit));
+    for (std::int64_t left = inflated ? 0 : layout.header; left > 0; left -= std::min(left, limit))
+        fetch(std::min(left, limit));
 
     const bool swap = layout.bigEndian == (std::endian::native == std::endian::little);
     std::vector<float> values(static_cast<std::size_t>(count));
@@ -175,7 +253,7 @@ std::vector<float> readRaw(const std::string& path, const RawLayout& layout) {
         for (std::int64_t k = 0; k < n; ++k, ++i)
             values[static_cast<std::size_t>(i)] = sample(layout.type, chunk.data() + k * width, swap);
     }
-    if (compressed && layout.exact && in.read(chunk.data(), 1) != 0)
+    if (in && compressed && layout.exact && in->read(chunk.data(), 1) != 0)
         refuse(path, fmt::format("has data after {}", declared));
     return values;
 }

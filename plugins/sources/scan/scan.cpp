@@ -7,6 +7,11 @@
 // The extension of the file decides its format:
 //   .nrrd .nhdr   NRRD, with its samples inside or in one file of the same folder, in any encoding that Teem knows
 //   .nii .nii.gz  NIfTI-1 or -2
+//   .hdr          NIfTI in two files; the other one ends in .img
+//   .mha .mhd     MetaImage, with its samples inside or in another file of the same folder or below, deflated or not
+//   .npy          NumPy: an array (nx, ny, nz), as in scrim.Field
+//   .mrc .map     MRC and CCP4 maps; a world unit is an angstrom
+//   .ccp4 .rec    the same
 //   .dcm .dicom   DICOM: the series in the file's folder that the file belongs to, sorted by the slices' positions
 //   a folder      DICOM: the only series in it
 //   others        raw samples, x fastest; gzipped where the name ends in .gz
@@ -18,9 +23,13 @@
 // Parameters:
 //   file         path; in a scene it is relative to the scene, with ${NAME} and frames as in other paths
 //   size         raw: samples along x, y, z
-//   type         raw: uint8, int8, uint16, int16, uint32, int32, float or double
+//   type         raw: uint8, int8, uint16, int16, uint32, int32, float, double, uint64, int64 or half
 //   endian       raw: little or big
 //   header       raw: bytes before the first sample
+//   component    NRRD and NIfTI of four dimensions: which volume, from 0 on; -1: the file must hold one only
+//   space        LPS (x to the patient's left, y to the back, z up: DICOM's) or RAS (right, front, up: NIfTI's): turns
+//   what
+//                the file places in the other one, so that scans of one patient lie together; file: as the file has it
 //   spacing      distance between samples along x, y, z, in world units; 0, 0, 0: that of the file, or 1
 //   orientation  true: axes as the file turns them; false: along the world's, with the file's spacings
 //   center       true: moves the middle of the volume to the origin; false: keeps it where the file says
@@ -54,6 +63,7 @@
 #include <cmath>
 #include <exception>
 #include <new>
+#include <functional>
 #include <optional>
 #include <string_view>
 
@@ -69,6 +79,8 @@ enum {
     kType,
     kEndian,
     kHeader,
+    kComponent,
+    kSpace,
     kSpacing,
     kOrientation,
     kCenter,
@@ -86,12 +98,16 @@ enum {
 // 'auto' means what a header says, and for raw files the first of the other words.
 constexpr scrim_parameter kParameters[kCount] = {
     {"file", SCRIM_STRING, "", 0, 0, nullptr,
-     "path of a .nrrd, .nhdr, .nii, .nii.gz, .dcm or raw file, or of a folder with a DICOM series"},
+     "path of a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .dcm or raw file, or of a folder of DICOM"},
     {"size", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "raw: samples along x, y, z"},
-    {"type", SCRIM_STRING, "auto", 0, 0, "auto|uint8|int8|uint16|int16|uint32|int32|float|double",
+    {"type", SCRIM_STRING, "auto", 0, 0, "auto|uint8|int8|uint16|int16|uint32|int32|float|double|uint64|int64|half",
      "raw: type of samples; auto: uint8"},
     {"endian", SCRIM_STRING, "auto", 0, 0, "auto|little|big", "raw: order of bytes; auto: little"},
     {"header", SCRIM_INTEGER, "0", 0, 1e12, nullptr, "raw: bytes before the first sample"},
+    {"component", SCRIM_INTEGER, "-1", -1, 1e9, nullptr,
+     "which of several volumes in a file, from 0 on; -1: the only one"},
+    {"space", SCRIM_STRING, "file", 0, 0, "file|LPS|RAS",
+     "directions of x, y and z: the file's, or those of a patient"},
     {"spacing", SCRIM_VEC3, "0, 0, 0", 0, 1e9, nullptr, "between samples, in world units; 0, 0, 0: the file's, or 1"},
     {"orientation", SCRIM_BOOL, "true", 0, 0, nullptr, "use the file's rotation and position"},
     {"center", SCRIM_BOOL, "false", 0, 0, nullptr, "move the centre to the origin"},
@@ -132,7 +148,7 @@ Scan readRawFile(const std::string& path, const scrim_value* values) {
     RawLayout layout;
     layout.size = wholeNumbers(values[kSize], "size");
     const std::string type = values[kType].text;
-    for (int i = 0; i < 8; ++i)
+    for (int i = 0; i < kSampleTypes; ++i)
         if (const auto t = static_cast<SampleType>(i); nameOf(t) == type) layout.type = t;
     layout.bigEndian = std::string_view(values[kEndian].text) == "big";
     layout.header = values[kHeader].integer;
@@ -146,11 +162,23 @@ Scan readRawFile(const std::string& path, const scrim_value* values) {
 Scan readFile(const scrim_value* values) {
     const std::string path = values[kFile].text, name = lowerCase(path);
     if (path.empty())
-        throw std::runtime_error("expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .dcm or raw file, or a folder");
+        throw std::runtime_error(
+            "expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .dcm or raw file, or a "
+            "folder");
     const bool nrrd = name.ends_with(".nrrd") || name.ends_with(".nhdr");
-    const bool nifti = name.ends_with(".nii") || name.ends_with(".nii.gz");
-    const bool dicom = isDicomFile(path) || isFolder(path);
-    if (!nrrd && !nifti && !dicom) return readRawFile(path, values);
+    const bool nifti = name.ends_with(".nii") || name.ends_with(".nii.gz") || name.ends_with(".hdr");
+    using Reader = std::function<Scan(const std::string&)>;
+    const std::int64_t component = values[kComponent].integer;
+    Reader reader;
+    if (nrrd) reader = [&](const std::string& file) { return readNrrd(file, component); };
+    if (nifti) reader = [&](const std::string& file) { return readNifti(file, component); };
+    if (name.ends_with(".mha") || name.ends_with(".mhd")) reader = readMetaImage;
+    if (name.ends_with(".npy")) reader = readNumpy;
+    for (const char* ending : {".mrc", ".map", ".ccp4", ".rec"})
+        if (name.ends_with(ending)) reader = readMrc;
+    if (isDicomFile(path) || isFolder(path)) reader = readDicom;
+    if (component >= 0 && !nrrd && !nifti) refuse(path, "'component' is for NRRD and NIfTI files only");
+    if (!reader) return readRawFile(path, values);
     const std::string_view automatic = "auto";
     const char* given = !isZero(values[kSize])              ? "size"
                         : values[kType].text != automatic   ? "type"
@@ -158,7 +186,7 @@ Scan readFile(const scrim_value* values) {
                         : values[kHeader].integer != 0      ? "header"
                                                             : nullptr;
     if (given != nullptr) refuse(path, fmt::format("has its own '{}'; that parameter is for raw files only", given));
-    return dicom ? readDicom(path) : nrrd ? readNrrd(path) : readNifti(path);
+    return reader(path);
 }
 
 void place(Scan& scan, const scrim_value* values) {
@@ -176,6 +204,29 @@ void place(Scan& scan, const scrim_value* values) {
         }
     }
     if (values[kOrientation].boolean == 0) scan.origin = glm::dvec3(0);
+}
+
+/// Turns the scan into a patient's space: where a direction is the opposite one, its coordinates change their sign.
+void turn(Scan& scan, const std::string& space) {
+    if (space == "file") return;
+    constexpr std::string_view kOpposites = "rlapsi";  // in pairs
+    std::string letters;
+    for (std::size_t at = 0; at < scan.space.size(); at = scan.space.find('-', at) + 1) {
+        letters += scan.space[at];
+        if (scan.space.find('-', at) == std::string::npos) break;
+    }
+    const std::string wanted = lowerCase(space);
+    for (int k = 0; k < 3; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        const std::size_t have = letters.size() == 3 ? kOpposites.find(letters[i]) : kOpposites.npos;
+        if (have == kOpposites.npos || have / 2 != i)
+            throw std::runtime_error(
+                fmt::format("'space' is {}, but the file does not say where left and front are", space));
+        if (letters[i] == wanted[i]) continue;
+        for (int axis = 0; axis < 3; ++axis) scan.axes[axis][k] = -scan.axes[axis][k];
+        scan.origin[k] = -scan.origin[k];
+    }
+    scan.space = space == "LPS" ? "left-posterior-superior" : "right-anterior-superior";
 }
 
 Scan edited(Scan scan, const scrim_value* values) {
@@ -294,6 +345,8 @@ int emit(const scrim_host* host, const Scan& scan) {
 int generate(const scrim_host* host, const scrim_value* values) {
     try {
         Scan scan = readFile(values);
+        for (const std::string& note : scan.notes) host->warn(host, note.c_str());
+        turn(scan, values[kSpace].text);
         rescale(scan, values[kRescale].text);
         place(scan, values);
         scan = edited(std::move(scan), values);

@@ -23,12 +23,14 @@ struct Scan {
     glm::dvec3 origin{0};       ///< position of the first sample
     std::string type;           ///< type of the samples in the file: "uint8", "float", ...
     std::string space;          ///< directions of x, y and z: "right-anterior-superior"; "": the file does not say
+    std::vector<std::string> notes;  ///< what a user should know: "PATH: its slices are ... apart: resampled to ..."
     std::size_t indexOf(std::int64_t x, std::int64_t y, std::int64_t z) const {
         return static_cast<std::size_t>((z * size[1] + y) * size[0] + x);
     }
 };
 
-enum class SampleType { uint8, int8, uint16, int16, uint32, int32, float32, float64 };
+enum class SampleType { uint8, int8, uint16, int16, uint32, int32, float32, float64, uint64, int64, float16 };
+constexpr int kSampleTypes = 11;
 std::int64_t bytesOf(SampleType type);
 std::string nameOf(SampleType type);
 
@@ -62,18 +64,31 @@ struct RawLayout {
     bool bigEndian = false;
     std::int64_t header = 0;  ///< bytes before the first sample, after decompression
     bool exact = true;        ///< more bytes than declared are an error, too; fewer always are
+    bool deflated = false;    ///< the samples are a stream of zlib, behind a header that is not
 };
 
 /// The samples of `path`, decompressed where its name ends in ".gz".
 std::vector<float> readRaw(const std::string& path, const RawLayout& layout);
 
-/// Read a whole file, with the type, size and place that its header states: NRRD through Teem, NIfTI-1 and -2 through
-/// the NIfTI library.
-Scan readNrrd(const std::string& path);
-Scan readNifti(const std::string& path);
+/// Refuses the name of a second file that is not in the folder of `path` or below it: an untrusted header must not
+/// choose any file of the disk.
+void checkWithin(const std::string& name, const std::string& path);
+
+/// Read a whole file, with the type, size and place that its header states: NRRD through Teem, NIfTI-1 and -2, in
+/// one file or a pair of them, through the NIfTI library. Of several volumes in a file, `component` is the number of
+/// the one that is read; -1: the file must hold one only.
+Scan readNrrd(const std::string& path, std::int64_t component);
+Scan readNifti(const std::string& path, std::int64_t component);
+Scan readMetaImage(const std::string& path);
+Scan readNumpy(const std::string& path);
+Scan readMrc(const std::string& path);
+
+/// Refuses `component` where the file holds `count` volumes and it is not one of theirs, or not given.
+void checkComponent(std::int64_t component, std::int64_t count, const std::string& path);
 
 /// Reads the DICOM series in a folder, or the one in its folder that a file belongs to, through GDCM. The path may also
-/// be that of a file that holds those of the folder (scrim_source.h). Samples are by slope and intercept.
+/// be that of a file that holds those of the folder (scrim_source.h). Samples are by slope and intercept. Slices at
+/// uneven distances are resampled, with a note; a missing slice is refused.
 Scan readDicom(const std::string& path);
 /// True for names that end in .dcm or .dicom.
 bool isDicomFile(const std::string& path);

@@ -40,7 +40,7 @@ struct LoadRequest {
     std::vector<GridRequest> grids;
     std::string source = {};  ///< path of the source's shared object, or of the module that reads meshes or runs AX
     SourceParameters parameters = {};
-    std::string beside = {};  ///< name of a second file of the same folder that is passed, too; "": none
+    std::string beside = {};  ///< name of a second file of the same folder or below that is passed, too; "": none
     std::string edit = {};    ///< what is done to the grids (grid_edit.h); "": nothing
 };
 

@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -31,6 +32,7 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 namespace scrim {
 namespace {
@@ -66,12 +68,21 @@ LoadLimits limitsFor(const Kind& kind, std::uint64_t bytes, const LoadOptions& o
     return limits;
 }
 
-/// The folder whose files a source may want all of: `path` itself, or that of a DICOM file, which is one slice of many.
-std::optional<std::string> folderFor(const std::string& path) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) return path;
+/// True where these are the first bytes of a DICOM file, which says behind its preamble that it is one.
+bool beginsAsDicom(std::string_view bytes) {
+    constexpr std::size_t kMark = 128;
+    return bytes.size() >= kMark + 4 && bytes.substr(kMark, 4) == "DICM";
+}
+constexpr std::size_t kDicomStart = 132;  // bytes that beginsAsDicom() needs
+
+/// The folder whose files a source may want all of: that of a DICOM file, which is one slice of many. None for other
+/// files, whatever their names: the folder would be copied in vain.
+std::optional<std::string> folderOf(const std::string& path, const OpenFile& file) {
     const std::string name = lowerCase(path);
     if (!name.ends_with(".dcm") && !name.ends_with(".dicom")) return {};
+    std::array<char, kDicomStart> start{};
+    const ssize_t got = ::pread(file.fd(), start.data(), start.size(), 0);
+    if (got < 0 || !beginsAsDicom({start.data(), static_cast<std::size_t>(got)})) return {};
     const std::filesystem::path folder = std::filesystem::path(path).parent_path();
     return folder.empty() ? "." : folder.string();
 }
@@ -108,11 +119,10 @@ class FolderFile {
         m_size += bytes.size();
     }
     void addDicom(const std::filesystem::path& path) {
-        constexpr std::size_t kMark = 128;  // where a DICOM file says that it is one
         std::ifstream in(path, std::ios::binary);
-        std::string bytes(kMark + 4, '\0');
+        std::string bytes(kDicomStart, '\0');
         const std::string name = path.filename().string();
-        if (!in.read(bytes.data(), std::streamsize(bytes.size())) || bytes.compare(kMark, 4, "DICM") != 0 ||
+        if (!in.read(bytes.data(), std::streamsize(bytes.size())) || !beginsAsDicom(bytes) ||
             name.find('\n') != std::string::npos)
             return;
         bytes.append(std::istreambuf_iterator<char>(in), {});
@@ -331,13 +341,14 @@ std::vector<SparseField> guardedSource(const std::string& source, const SourcePa
                                        const std::string& path, const LoadOptions& options, const MessageSink& messages,
                                        const Checkpoint& checkpoint) {
     const std::string what = fmt::format("source '{}': {}", sourceNameOf(source), path);
-    const std::optional<std::string> folder = folderFor(path);
     std::optional<FolderFile> files;
     std::optional<OpenFile> file;
-    if (!folder || *folder != path) {
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(path, ignored)) {
         file.emplace(path);
         if (!file->problem().empty()) throw Error(ErrorKind::input, fmt::format("{}: {}", what, file->problem()));
     }
+    const std::optional<std::string> folder = file ? folderOf(path, *file) : path;
     if (folder) files.emplace(*folder, checkpoint);
     const int input = files ? files->fd() : file->fd();
     const std::uint64_t size = files ? files->size() : file->size();

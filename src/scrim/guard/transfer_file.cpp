@@ -4,7 +4,9 @@
 #include <scrim/base/system_error.h>
 #include <scrim/volume/grid_request.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <filesystem>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -35,11 +37,13 @@ std::uint64_t alignedUp(std::uint64_t at) {
                 std::string("cannot hand over what was read: ") + std::strerror(error));
 }
 
-/// True if `name` is a file name in some folder, neither a path nor a way out of the folder.
-bool isPlainName(const std::string& name) {
-    constexpr std::size_t kLongest = 255;  // the limit of Linux file systems
-    return !name.empty() && name.size() <= kLongest && name != "." && name != ".." &&
-           name.find_first_of(std::string_view("/\0", 2)) == std::string::npos;
+/// True if `name` is that of a file in some folder or below it ("slices/ct.raw"), and no way out of the folder.
+bool isNameWithin(const std::string& name) {
+    constexpr std::size_t kLongest = 255;  // what a child hands over
+    if (name.empty() || name.size() > kLongest || name.find('\0') != std::string::npos) return false;
+    const std::filesystem::path path(name);
+    return path.is_relative() && path.has_filename() && path.filename() != "." &&
+           std::find(path.begin(), path.end(), "..") == path.end();
 }
 
 GridRequest requestFrom(const std::string& text) {
@@ -64,7 +68,7 @@ GridRequest requestFrom(const std::string& text) {
     if (header.fields != 0) throw GridError(problem, requestFrom(reader.text()));
     if (header.messages == 0) throw Error(kind, problem);
     const std::string name = reader.text();
-    if (!isPlainName(name)) incompleteTransfer("it names a file in another folder");
+    if (!isNameWithin(name)) incompleteTransfer("it names a file in another folder");
     throw BesideError(Error(kind, problem), name);
 }
 

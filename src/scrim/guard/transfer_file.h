@@ -40,11 +40,11 @@ struct TransferHeader {
     std::uint64_t messages = 0;
 };
 
-/// A file could not be read, perhaps because a second file of the same folder is missing, which was asked for.
+/// A file could not be read, perhaps because a second file of the same folder or below is missing, which was asked for.
 class BesideError : public Error {
   public:
     BesideError(const Error& error, std::string name) : Error(error), m_name(std::move(name)) {}
-    /// The name of the second file, without a folder once it has been received.
+    /// The name of the second file, within the folder of the first once it has been received.
     const std::string& name() const noexcept { return m_name; }
 
   private:

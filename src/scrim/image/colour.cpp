@@ -322,6 +322,20 @@ std::string ColourConfig::interopId(const std::string& space) const {
     return {};
 }
 
+bool ColourConfig::isLinear(const std::string& space) const {
+    constexpr float kGrey = 0.2f, kAlike = 1e-3f;
+    Image image = emptyImage({0, 0, 2, 1});
+    for (std::size_t c = 0; c < 3; ++c) {
+        image.rgba[c] = kGrey;
+        image.rgba[4 + c] = 2 * kGrey;
+    }
+    image.rgba[3] = image.rgba[7] = 1;
+    convert(image, workingSpace(), space);
+    for (std::size_t c = 0; c < 3; ++c)
+        if (std::abs(image.rgba[4 + c] - 2 * image.rgba[c]) > kAlike * std::abs(image.rgba[4 + c])) return false;
+    return true;
+}
+
 bool ColourConfig::isAces2065(const std::string& space) const {
     return interopId(space) == "lin_ap0_scene";
 }

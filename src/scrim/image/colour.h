@@ -81,6 +81,10 @@ class ColourConfig {
     /// in the config; "data" for data; empty where it is not known. Throws for an unknown space.
     std::string interopId(const std::string& space) const;
 
+    /// True if twice the value stands for twice the light: for scene-linear spaces and for data, not for what is
+    /// encoded for displays or as logarithms. Throws for an unknown space.
+    bool isLinear(const std::string& space) const;
+
     /// True if `space` is ACES2065-1, the only space that an ACES container may hold.
     bool isAces2065(const std::string& space) const;
 

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <scrim/image/image.h>
+#include <scrim/image/known_spaces.h>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -21,9 +23,10 @@ struct ExrOptions {
     PixelWindow displayWindow;        ///< the whole picture; must not be empty
     double pixelAspect = 1.0;         ///< width / height of a pixel
     std::string colorInteropId;       ///< value of the attribute colorInteropID; empty: no attribute
+    /// Value of the attribute chromaticities: of red, green, blue and white; none: no attribute.
+    std::optional<Chromaticities> chromaticities;
     /// Writes an ACES container (SMPTE ST 2065-4): RGBA in ACES2065-1, half, without compression whatever `compression`
-    /// says, with acesImageContainerFlag and the chromaticities of AP0. It takes no layers. No other file gets
-    /// chromaticities.
+    /// says, with acesImageContainerFlag; its chromaticities must be those of AP0. It takes no layers.
     bool acesContainer = false;
     bool picture = true;  ///< the image is written; false: the layers alone, and the image tells where they are empty
     /// The data window is the whole image, even where it is empty: for layers that are not 0 in empty space.

@@ -18,9 +18,6 @@ namespace {
 
 constexpr float kDwaLevel = 45.0f;  // OpenEXR's own default, written down because it decides the loss
 
-/// AP0: SMPTE ST 2065-1, table 1, with the white point of ACES (about D60).
-const Imf::Chromaticities kAp0({0.73470f, 0.26530f}, {0.0f, 1.0f}, {0.00010f, -0.07700f}, {0.32168f, 0.33767f});
-
 struct InsertAttribute {
     Imf::Header& header;
     const std::string& name;
@@ -97,10 +94,11 @@ Imf::Header makeExrHeader(const PixelWindow& dataWindow, const ExrOptions& optio
                        options.acesContainer ? Imf::NO_COMPRESSION : compression);
     if (compression == Imf::DWAA_COMPRESSION) header.dwaCompressionLevel() = kDwaLevel;
     if (!options.colorInteropId.empty()) header.insert("colorInteropID", Imf::StringAttribute(options.colorInteropId));
-    if (options.acesContainer) {
-        header.insert("acesImageContainerFlag", Imf::IntAttribute(1));
-        Imf::addChromaticities(header, kAp0);
+    if (options.chromaticities) {
+        const Chromaticities& c = *options.chromaticities;
+        Imf::addChromaticities(header, Imf::Chromaticities({c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}));
     }
+    if (options.acesContainer) header.insert("acesImageContainerFlag", Imf::IntAttribute(1));
     for (const auto& [name, value] : attributes) std::visit(InsertAttribute{header, name}, value);
     return header;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/framing.h>
 
+#include <scrim/base/error.h>
 #include <scrim/scene/toml_text.h>
 #include <scrim/base/parallel.h>
 #include <scrim/image/blackbody.h>
@@ -258,6 +259,22 @@ std::vector<Vec3> wsPointsOf(const FramedAsset& asset) {
     return wsPoints;
 }
 
+/// Refuses what no camera of a scene can stand away from far enough.
+void checkReach(const FramedAsset& asset, const Framing& framing) {
+    constexpr double kFarthest = 1e15;  // what a scene's positions may be
+    double far = 0, edge = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        far = std::max({far, std::abs(framing.wsPosition[axis]), std::abs(framing.wsTarget[axis])});
+        edge = std::max(edge, glm::length(Vec3(asset.field->wsFromIs[axis])));
+    }
+    if (far <= kFarthest) return;
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{}: has voxels of {:.3g} world units, and would be seen from {:.3g} away; expected at most "
+                    "{:g}. A scene with transform = {{ scale = {:g} }} shows it",
+                    asset.file, edge, far, kFarthest, std::pow(10.0, -std::ceil(std::log10(far)))));
+}
+
 }  // namespace
 
 Mat3 wsFromUpright(const Vec3& wsUp) {
@@ -271,6 +288,7 @@ std::string framingScene(const FramedAsset& asset, Int2 resolution) {
     camera.fov = kFov;
     camera.resolution = resolution;
     const Framing framing = frame(wsPointsOf(asset), camera.wsFromCamera, double(resolution.x) / resolution.y);
+    checkReach(asset, framing);
     camera.wsPosition = framing.wsPosition;
 
     // Rounding to a thousandth of the framed size, or less, changes the framing by far less than the margin.

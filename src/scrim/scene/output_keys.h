@@ -63,6 +63,10 @@ struct OutputKeys : SectionOf<SceneOutput> {
     const Key& file = path("file", "a path such as \"plume.####.exr\"", "The picture, an EXR; -o replaces it.");
     const Key& colorspace = text("colorspace", "the name of a colour space", "Colour space of the picture.")
                                 .unless("the config's scene_linear: ACEScg");
+    const Key& chromaticities =
+        boolean("chromaticities", &SceneOutput::chromaticities,
+                "EXR files of linear spaces state their primaries and their white, too, for readers that do not know "
+                "colorInteropID and would take them for Rec.709. false leaves them out; ACES2065-1 keeps them.");
     const Key& type =
         choice("type", {"half", "float"}, &SceneOutput::half, "16 or 32 bits per channel. Depth always has 32.", 0);
     const Key& layers;

@@ -96,7 +96,8 @@ Bounds readBox(const TomlValue& value) {
 /// Reads "FILE" or "FILE:GRID".
 CombinedGrid::Part readPart(const TomlValue& value, const ReadContext& context, std::vector<FramePath>& sequences) {
     const std::string text = value.string();
-    const std::size_t colon = lowerCase(text).ends_with(".vdb") ? std::string::npos : text.rfind(':');
+    const std::string name = lowerCase(text);
+    const std::size_t colon = name.ends_with(".vdb") || name.ends_with(".nvdb") ? std::string::npos : text.rfind(':');
     const std::string file = text.substr(0, colon);
     CombinedGrid::Part part{0, colon == std::string::npos ? "" : text.substr(colon + 1), value.where()};
     if (file.empty() || (colon != std::string::npos && part.grid.empty()))

@@ -106,7 +106,8 @@ Emission readEmissionGrid(TomlTable& table, const Key& key) {
     return emission;
 }
 
-Emission readEmission(TomlTable table, const ReadContext& context) {
+/// One source of emission, or one for each channel of a grid of colours.
+std::vector<Emission> readEmission(TomlTable table, const ReadContext& context) {
     const EmissionKeys& k = keysOf<EmissionKeys>();
     Emission emission = readEmissionGrid(table, k.grid);
     table.read(k, context.frame, emission);
@@ -118,8 +119,20 @@ Emission readEmission(TomlTable table, const ReadContext& context) {
                 "{} is not black at grid value 0; expected black there, because empty space is skipped", k.ramp));
     }
     if (const auto mask = table.find(k.mask)) emission.mask = readMask(*mask, table.description());
+    const bool colors = table.boolean(k.colors);
+    if (colors && !emission.ramp.empty())
+        table.fail(fmt::format("{} has {} and {}; expected one of them", table.description(), k.colors, k.ramp));
     table.finish();
-    return emission;
+    if (!colors) return {emission};
+    std::vector<Emission> channels;
+    for (const char* const part : {".r", ".g", ".b"}) {
+        Rgb only(0);
+        only[static_cast<int>(channels.size())] = 1;
+        channels.push_back(emission);
+        channels.back().grid += part;
+        channels.back().color = only;
+    }
+    return channels;
 }
 
 /// Reads the temperatures of grid values 0 and 1, which replace scale and offset.
@@ -189,8 +202,7 @@ void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume
         alone->fail(fmt::format("{} has {} without {}", of, k.transparencyDepth, k.transparency));
     if (const auto phase = table.find(k.phase)) medium.phase = readPhase(inner(*phase), context.frame);
     readScattering(table, k, context, medium);
-    if (const auto emission = table.find(k.emission))
-        volume.emission.push_back(readEmission(inner(*emission), context));
+    if (const auto emission = table.find(k.emission)) volume.emission = readEmission(inner(*emission), context);
     if (const auto blackbody = table.find(k.blackbody))
         volume.emission.push_back(readBlackbody(*blackbody, of, context));
     table.finish();

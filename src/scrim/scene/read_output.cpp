@@ -61,8 +61,16 @@ void readFile(TomlTable& table, const Keys& k, const ReadContext& context, Outpu
         file.where = path->where();
         file.file = file.path.at(context.fileFrame());
     }
-    if (const auto space = table.find(k.colorspace))
+    if (const auto space = table.find(k.colorspace)) {
         file.colorspace = located(*space, [&] { return context.colour.resolve(space->string()); });
+        if (!located(*space, [&] { return context.colour.isLinear(file.colorspace); }))
+            context.warnings->push_back(fmt::format(
+                "{}: {} is '{}', which is not linear: programs expect linear colours in EXR, and premultiplied ones "
+                "that are encoded cannot be composited; expected a linear space, such as '{}', and {} for a picture to "
+                "look at",
+                space->where(), space->name(), space->string(), context.colour.workingSpace(),
+                keysOf<OutputKeys>().preview));
+    }
     if (const auto compression = table.find(k.compression))
         file.compression = k.compression.words[compression->choice(k.compression.words)];
     if (const auto layers = table.find(k.layers)) file.layers = readLayers(*layers, file, context.colour);

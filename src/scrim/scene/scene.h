@@ -47,9 +47,11 @@ enum class Layer {
 
 /// What a volume shows at frames before the first or after the last file of its sequence.
 enum class OutsidePolicy {
-    error,  ///< nothing: a missing file is an error
-    hold,   ///< the first or last file
-    black,  ///< no volume
+    error,     ///< nothing: a missing file is an error
+    hold,      ///< the first or last file
+    black,     ///< no volume
+    repeat,    ///< the sequence again, from its first file on
+    pingPong,  ///< the sequence backwards, then forwards, and so on; its ends are shown once
 };
 
 /// Maps a frame to the file of its sequence that a volume shows.
@@ -150,9 +152,10 @@ struct Shutter {
 struct Emission {
     std::string grid;
     /// Maps grid values (ascending) to radiance per world unit: linear between points and constant outside of them, but
-    /// always 0 where the grid is 0. An empty ramp emits the grid value itself, in white. A blackbody is stored as a
+    /// always 0 where the grid is 0. An empty ramp emits the grid value itself, in `color`. A blackbody is stored as a
     /// ramp with a point every few Kelvin.
     std::vector<std::pair<double, Rgb>> ramp;
+    Rgb color{1};                              ///< without a ramp: what a grid value of 1 emits
     double scale = 1;                          ///< factor on the ramp's values
     bool blackbody = false;                    ///< the scene said `blackbody`; only messages depend on it
     double kelvinScale = 1, kelvinOffset = 0;  ///< blackbodies: kelvin = grid value * scale + offset
@@ -262,6 +265,7 @@ struct OutputFile {
 struct SceneOutput : OutputFile {
     std::vector<OutputFile> files;  ///< further files, which hold other layers
     double fps = 24;
+    bool chromaticities = true;  ///< linear files state their primaries, beside the name of their space
     ScenePreview preview;
     SceneDeep deep;
     SceneHoldout holdout;

@@ -4,11 +4,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <system_error>
 
 namespace scrim {
 namespace {
+
+/// The frame of a sequence from `first` to `last` that repeats or goes to and fro.
+int frameWithin(int frame, int first, int last, OutsidePolicy outside) {
+    const std::int64_t steps = std::int64_t{last} - first;
+    if (steps == 0) return first;
+    const std::int64_t period = outside == OutsidePolicy::repeat ? steps + 1 : 2 * steps;
+    const std::int64_t at = ((std::int64_t{frame} - first) % period + period) % period;
+    return static_cast<int>(first + (at <= steps ? at : period - at));
+}
 
 /// Looks for one file, which `sequence` names at the volume's frame.
 VolumeFile findFile(const SceneVolume& volume, const FramePath& sequence, const std::string& file) {
@@ -22,6 +32,11 @@ VolumeFile findFile(const SceneVolume& volume, const FramePath& sequence, const 
         found.state = FileState::black;
     } else if (outside && volume.outside == OutsidePolicy::hold && !frames.empty()) {
         found.path = sequence.at(volume.frame < frames.front() ? frames.front() : frames.back());
+    } else if (outside && !frames.empty() &&
+               (volume.outside == OutsidePolicy::repeat || volume.outside == OutsidePolicy::pingPong)) {
+        SceneVolume within = volume;
+        within.frame = frameWithin(volume.frame, frames.front(), frames.back(), volume.outside);
+        return findFile(within, sequence, sequence.at(within.frame));
     } else {
         found.state = FileState::missing;
         found.problem = fmt::format("{}: volume '{}': there is no file '{}'", volume.where, volume.name, file);

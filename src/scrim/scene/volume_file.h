@@ -22,7 +22,7 @@ struct VolumeFile {
     std::vector<std::string> all = {};  ///< volumes with `grids`: the files to read, of which `path` is the first
 };
 
-/// For a volume with a file. The policies `hold` and `black` count before the first and after the last file of a
+/// For a volume with a file. The policies other than `error` count before the first and after the last file of a
 /// sequence; a gap inside the sequence is a lost file, and missing under any policy. Each file of a volume with `grids`
 /// is looked for like that: the volume is missing where one of them is, and black where one of them is.
 VolumeFile findVolumeFile(const SceneVolume& volume);

@@ -47,8 +47,9 @@ struct FrameKeys : SectionOf<SceneVolume> {
         other("keys", "a list of [frame, file number]", kPoints, Range::fromTo(-kLastFrame, kLastFrame, "frames"),
               "Retimes freely, in place of 'speed': linear between keys, constant outside of them.");
     const Key& outside =
-        choice("outside", {"error", "hold", "black"}, &SceneVolume::outside,
-               "What happens before the first and after the last file: an error, that file is shown, or no volume.");
+        choice("outside", {"error", "hold", "black", "repeat", "ping-pong"}, &SceneVolume::outside,
+               "What happens before the first and after the last file: an error, that file is shown, no volume, the "
+               "sequence from its other end, or the sequence backwards and forwards in turn (its ends once).");
 };
 
 struct DensityKeys : SectionOf<SceneVolume> {
@@ -161,6 +162,9 @@ struct EmissionKeys : SectionOf<Emission> {
                     "Radiance per world unit = ramp(grid value) * scale, whatever the density. It lights volumes whose "
                     "scattering = \"full\".") {}
     const Key& grid = text("grid", "the name of a grid", "The grid that glows.").required();
+    const Key& colors = boolean("colors", false,
+                                "The grid holds colours in the working space: a vec3 grid, or three grids NAME.r, "
+                                "NAME.g and NAME.b. They are emitted as they are, in place of 'ramp'.");
     const Key& scale =
         number("scale", Range::fromTo(0, 1e30), &Emission::scale, "Factor on the grid's values.").keyed();
     const Key& ramp =

@@ -33,8 +33,11 @@ std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, doubl
                                                      std::shared_ptr<const SparseField> field, CoarserLevels* levels) {
     if (field->empty()) return field;
     CoarserLevels own;
-    while (2 * voxelInPixels(camera, *field, wsFromAsset * field->wsFromIs) <= lod && field->activeVoxels > 1)
-        field = (levels != nullptr ? *levels : own).below(field);
+    while (2 * voxelInPixels(camera, *field, wsFromAsset * field->wsFromIs) <= lod && field->activeVoxels > 1) {
+        std::shared_ptr<const SparseField> coarser = (levels != nullptr ? *levels : own).below(field);
+        if (coarser->empty()) break;  // means of the smallest values count as 0
+        field = std::move(coarser);
+    }
     return field;
 }
 

@@ -243,6 +243,8 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
     Shot::Content& content = *shot.m_content;
     BakedShot out;
     const auto bake = [&] {
+        // What a text says wrongly is refused before its reader's warnings, which are about pictures.
+        if (content.text) outputFromWorking(content.sceneUnframed(frame), content.stores->colour);
         Scene scene = withOptions(content.sceneAt(frame, options), options, *content.stores);
         const std::vector<bool> wanted = wantedLights(scene, request);
         const std::string space = scene.output.colorspace;

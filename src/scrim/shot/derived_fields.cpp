@@ -206,7 +206,7 @@ std::vector<FieldPointer> flowFields(const SparseField& density, const Mat4& ass
 }
 
 std::vector<EmittedField> emittedFields(const FieldPointer& field, const Emission& emission) {
-    if (emission.ramp.empty()) return {{field, Rgb(emission.scale)}};
+    if (emission.ramp.empty()) return {{field, emission.scale * emission.color}};
     // Tests whether all points have the colour of the brightest one, up to a factor.
     Rgb color(0);
     for (const auto& [value, rgb] : emission.ramp)

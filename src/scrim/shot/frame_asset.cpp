@@ -259,7 +259,8 @@ std::string framedScan(FieldStore& store, const std::string& path, const std::st
 }  // namespace
 
 bool isAssetFile(const std::string& path) {
-    return lowerCase(path).ends_with(".vdb") || isScanFile(path);
+    const std::string name = lowerCase(path);
+    return name.ends_with(".vdb") || name.ends_with(".nvdb") || isScanFile(path);
 }
 
 std::string volumeNameOf(const std::string& pattern) {

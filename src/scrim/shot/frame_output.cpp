@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/finite.h>
 #include <scrim/base/version.h>
+#include <scrim/image/known_spaces.h>
 #include <scrim/image/cryptomatte.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/exr_deep.h>
@@ -177,6 +178,9 @@ ExrOptions headerOptions(const ShotFrame::Content& content, const std::string& s
     options.displayWindow = displayWindowOf(content.scene);
     options.pixelAspect = content.scene.camera.pixelAspect;
     options.colorInteropId = content.colour.interopId(space);
+    const KnownSpace* const known = findKnownSpace(options.colorInteropId);
+    if (known != nullptr && (content.scene.output.chromaticities || content.colour.isAces2065(space)))
+        options.chromaticities = known->chromaticities;
     return options;
 }
 

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace scrim {
@@ -39,17 +40,20 @@ void warnOfEmpty(const LoadedShot& shot, const MessageSink& messages) {
         const SceneVolume& volume = shot.scene.volumes[i];
         const VolumeFields& fields = shot.fields[i];
         const auto warn = [&](const char* what, const std::string& grid) {
-            notify(
-                messages, Severity::warning,
-                fmt::format("{}: {}: grid '{}' has no active voxels", originText(volume, shot.files[i]), what, grid));
+            notify(messages, Severity::warning,
+                   fmt::format("{}: {}: grid '{}' has no active voxels with values above 0 (below {:.2g} they count "
+                               "as 0)",
+                               originText(volume, shot.files[i]), what, grid, std::numeric_limits<float>::min()));
         };
         if (empty(fields.density))
             warn(volume.emission.empty() ? "nothing to render" : "no density", fields.density->name);
         // A single empty channel is fine: colours without any red exist.
         if (std::all_of(fields.albedo.begin(), fields.albedo.end(), empty))
             warn("the albedo is black", volume.albedoGrid->grid);
-        for (const auto& emission : fields.emission)
-            if (empty(emission)) warn("no emission", emission->name);
+        // Of colours a channel may be black.
+        for (std::size_t k = 0; k < fields.emission.size(); ++k)
+            if (empty(fields.emission[k]) && volume.emission[k].color == Rgb(1))
+                warn("no emission", fields.emission[k]->name);
     }
 }
 

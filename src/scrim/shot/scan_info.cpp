@@ -84,10 +84,11 @@ std::uint64_t bytesOf(const std::string& path) {
 
 bool isScanFile(const std::string& path) {
     const std::string name = lowerCase(path);
-    constexpr std::array kEndings{".nrrd", ".nhdr", ".nii", ".nii.gz", ".dcm", ".dicom"};
+    constexpr std::array kEndings{".nrrd", ".nhdr", ".nii", ".nii.gz", ".hdr", ".mha",
+                                  ".mhd",  ".npy",  ".mrc", ".ccp4",   ".dcm", ".dicom"};
     std::error_code ignored;
     return std::any_of(kEndings.begin(), kEndings.end(), [&](const char* ending) { return name.ends_with(ending); }) ||
-           (!name.ends_with(".vdb") && std::filesystem::is_directory(path, ignored));
+           (!name.ends_with(".vdb") && !name.ends_with(".nvdb") && std::filesystem::is_directory(path, ignored));
 }
 
 ScanInfo loadScanInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {

@@ -33,8 +33,8 @@ struct BakeRequest;
 /// whenever it is used (scene/check_scene.h).
 class Shot {
   public:
-    /// Opens a scene (.toml) or an asset (.vdb, or a scan: .nrrd, .nhdr, .nii, .nii.gz), which is framed and lit. The
-    /// asset is not read yet. An override is "key.path=value": "camera.fov=20", "light.key.intensity=3". Throws
+    /// Opens a scene (.toml) or an asset (.vdb, or a scan: .nrrd, .nhdr, .nii, .nii.gz, .hdr), which is framed and lit.
+    /// The asset is not read yet. An override is "key.path=value": "camera.fov=20", "light.key.intensity=3". Throws
     /// Error(usage) for other files, Error(input) where the scene or an override is wrong.
     static Shot open(const std::string& path, const std::vector<std::string>& overrides = {},
                      const OpenOptions& options = {});

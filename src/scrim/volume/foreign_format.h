@@ -21,19 +21,14 @@ inline const ForeignFormat* foreignFormat(std::string_view path) {
     constexpr std::string_view kToNrrd = "convert it to NRRD or NIfTI (3D Slicer, ITK and ParaView do)";
     constexpr std::string_view kToVdb = "convert it to .vdb";
     constexpr std::string_view kSlices = "put its slices together as NRRD or NIfTI (3D Slicer and Fiji do)";
-    static constexpr std::array<ForeignFormat, 15> kFormats{{
+    static constexpr std::array<ForeignFormat, 10> kFormats{{
         {".vti", "VTK ImageData", kToNrrd},
         {".vtk", "a legacy VTK file", kToNrrd},
         {".vtu", "a VTK unstructured grid", kToVdb},
-        {".mhd", "MetaImage", kToNrrd},
-        {".mha", "MetaImage", kToNrrd},
         {".mgz", "a FreeSurfer volume", "convert it to NIfTI (mri_convert does)"},
         {".mnc", "MINC", "convert it to NIfTI (mnc2nii does)"},
-        {".hdr", "an Analyze header", "convert it to NIfTI"},
         {".tif", "a TIFF stack", kSlices},
         {".tiff", "a TIFF stack", kSlices},
-        {".mrc", "an MRC map", kToNrrd},
-        {".nvdb", "NanoVDB", "convert it to .vdb (nanovdb_convert does)"},
         {".bgeo", "Houdini geometry", "save its volumes as .vdb"},
         {".f3d", "Field3D", kToVdb},
         {".h5", "HDF5", kToNrrd},

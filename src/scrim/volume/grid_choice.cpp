@@ -53,8 +53,8 @@ std::optional<std::size_t> named(const std::vector<GridOffer>& offers, const std
 bool anyGrid(const GridOffer&) {
     return true;
 }
-bool scalar(const GridOffer& offer) {
-    return offer.isScalar();
+bool real(const GridOffer& offer) {
+    return offer.isReal();
 }
 bool vector(const GridOffer& offer) {
     return offer.isVector();
@@ -67,27 +67,44 @@ std::optional<std::size_t> defaultGrid(const std::vector<GridOffer>& offers) {
         return {};
     };
     if (const auto i = first([](const GridOffer& g) { return g.name == "density"; })) return i;
-    if (const auto i = first([](const GridOffer& g) { return g.gridClass == "fog volume"; })) return i;
-    if (const auto i = first([](const GridOffer& g) { return g.gridClass != "level set"; })) return i;
+    if (const auto i = first([](const GridOffer& g) { return g.isReal() && g.gridClass == "fog volume"; })) return i;
+    if (const auto i = first([](const GridOffer& g) { return g.isReal() && g.gridClass != "level set"; })) return i;
+    if (const auto i = first([](const GridOffer& g) { return g.isReal(); })) return i;
     return first(anyGrid);
+}
+
+/// The component that a name such as "Cd.r" means, where no grid has that name.
+std::optional<GridChoice> componentNamed(const std::vector<GridOffer>& offers, const std::string& name) {
+    constexpr std::string_view kLetters = "xyzrgb";
+    const std::size_t dot = name.rfind('.');
+    if (dot == std::string::npos || dot + 2 != name.size()) return {};
+    const std::size_t letter = kLetters.find(name[dot + 1]);
+    const auto i = named(offers, name.substr(0, dot), vector);
+    if (!i || letter == kLetters.npos) return {};
+    return GridChoice{*i, static_cast<int>(letter % 3)};
 }
 
 std::optional<GridChoice> chooseColour(const std::vector<GridOffer>& offers, const GridRequest& request) {
     if (const auto i = named(offers, request.grid, vector)) return GridChoice{*i, request.component};
     for (const std::string_view letters : {"xyz", "rgb"}) {
         std::array<std::optional<std::size_t>, 3> parts;
-        for (std::size_t c = 0; c < 3; ++c) parts[c] = named(offers, request.grid + "." + letters[c], scalar);
+        for (std::size_t c = 0; c < 3; ++c) parts[c] = named(offers, request.grid + "." + letters[c], real);
         if (parts[0] && parts[1] && parts[2]) return GridChoice{*parts[request.component]};
     }
     const bool mayBeGrey = request.part == GridPart::whole;
-    if (const auto i = named(offers, request.grid, scalar); i && mayBeGrey) return GridChoice{*i};
+    if (const auto i = named(offers, request.grid, real); i && mayBeGrey) return GridChoice{*i};
     return {};
 }
 
 }  // namespace
 
-bool GridOffer::isScalar() const {
+bool GridOffer::isReal() const {
     return type == kFloat || type == "Tree_double_5_4_3";
+}
+
+bool GridOffer::isScalar() const {
+    return isReal() || type == "Tree_int32_5_4_3" || type == "Tree_int64_5_4_3" || type == "Tree_bool_5_4_3" ||
+           type == "Tree_mask_5_4_3";
 }
 
 bool GridOffer::isVector() const {
@@ -114,7 +131,8 @@ std::vector<GridOffer> offersOf(const VdbLayout& layout) {
 std::optional<GridChoice> chooseGrid(const std::vector<GridOffer>& offers, const GridRequest& request) {
     if (request.component != GridRequest::kScalar) return chooseColour(offers, request);
     const auto i = request.grid.empty() ? defaultGrid(offers) : named(offers, request.grid, anyGrid);
-    if (!i || !offers[*i].isScalar()) return {};
+    if (!i) return componentNamed(offers, request.grid);
+    if (!offers[*i].isScalar()) return {};
     return GridChoice{*i};
 }
 
@@ -128,11 +146,23 @@ std::optional<std::size_t> chooseNamed(const std::vector<GridOffer>& offers, con
     return named(offers, name, anyGrid);
 }
 
+namespace {
+
+/// OpenVDB 13 can keep trees of halves. What earlier versions call half is a float grid that is saved as half.
+const char* adviceOnHalf(const GridOffer& offer) {
+    return offer.valueType() == "half" ? "; half grids of OpenVDB 13 are not read, save it as a float grid (in half "
+                                         "precision, if you like)"
+                                       : "";
+}
+
+}  // namespace
+
 std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& request) {
     const bool colour = request.component != GridRequest::kScalar;
     const std::string name = shortened(request.grid, kNameLimit);
     if (!colour && request.grid.empty())
-        return offers.empty() ? "holds no grids" : "holds no float, half or double grid, only " + listOf(offers);
+        return offers.empty() ? "holds no grids"
+                              : "holds no scalar grid, only " + listOf(offers) + adviceOnHalf(offers[0]);
     const auto found = named(offers, request.grid, anyGrid);
     if (!found) return fmt::format("no grid '{}'; it holds {}", name, listOf(offers));
     const std::string held = shortened(offers[*found].valueType(), kNameLimit);
@@ -147,9 +177,13 @@ std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& r
             "called '{0}.x', '{0}.y', '{0}.z' or '{0}.r', '{0}.g', '{0}.b', or a scalar one, which is grey; "
             "there is {2}",
             name, held, listOf(offers));
-    return fmt::format(
-        "grid '{}' holds {} values, where a float, half or double grid is expected; of those there is {}", name, held,
-        choices(scalarNames(offers)));
+    if (offers[*found].isVector())
+        return fmt::format(
+            "grid '{0}' holds {1} values, where a scalar grid is expected: '{0}.x', '{0}.y' and '{0}.z' "
+            "are its components; there is {2}",
+            name, held, listOf(offers));
+    return fmt::format("grid '{}' holds {} values, where a scalar grid is expected; of those there is {}{}", name, held,
+                       choices(scalarNames(offers)), adviceOnHalf(offers[*found]));
 }
 
 std::string listOf(const std::vector<GridOffer>& offers) {

@@ -144,14 +144,16 @@ openvdb::GridBase::Ptr GridEditor::gridFor(const Program& program, const AxUse& 
     for (const auto& grid : all.grids) offers.push_back(grid ? offerOf(*grid) : GridOffer{"", "", ""});
     auto density = chooseGrid(offers, {m_edit.density});
     if (!density) density = chooseGrid(offers, {});  // the expression makes the density
-    const openvdb::GridBase::Ptr like = density ? all.grids[density->grid] : nullptr;
+    const bool isWhole = density && density->component == GridRequest::kScalar && all.grids[density->grid];
+    const openvdb::GridBase::Ptr like = isWhole ? inFloats(all.grids[density->grid]) : nullptr;
     if (!like) fail(fmt::format("there is no density in {}, whose voxels grid '{}' could get", file, use.name));
     openvdb::GridBase::Ptr made = madeLike(static_cast<const openvdb::FloatGrid&>(*like), wanted);
     if (!made)
         fail(fmt::format("grid '{}' would be of type {}; expected f@{} or v@{}", use.name, use.type, use.name,
                          use.name));
     made->setName(use.name);
-    if (wanted == "float") made->setGridClass(openvdb::GRID_FOG_VOLUME);
+    // The class decides which grid is the density: one that is made must not be preferred to the one it is made like.
+    if (wanted == "float") made->setGridClass(like->getGridClass());
     all.grids.push_back(made);
     return made;
 }
@@ -184,8 +186,15 @@ void GridEditor::run(const Program& program, EditedGrids& all, const std::string
 }
 
 void GridEditor::apply(EditedGrids& all, const std::string& file, const MessageSink& messages) const {
+    // Expressions take whole numbers for what they are: i@id.
+    const auto isUsedWhole = [&](const openvdb::GridBase& grid) {
+        for (const Program& program : m_programs)
+            for (const AxUse& use : program.compiled->grids())
+                if (use.name == grid.getName() && use.type == grid.valueType() && !offerOf(grid).isReal()) return true;
+        return false;
+    };
     for (auto& grid : all.grids) {
-        if (!grid) continue;
+        if (!grid || isUsedWhole(*grid)) continue;
         grid = inFloats(std::move(grid));
         if (grid->getGridClass() == openvdb::GRID_LEVEL_SET && offerOf(*grid).isScalar()) {
             if (!grid->isTreeUnique()) grid = grid->deepCopyGrid();

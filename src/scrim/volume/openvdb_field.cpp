@@ -225,7 +225,12 @@ openvdb::GridBase::Ptr inFloats(openvdb::GridBase::Ptr grid) {
         // OpenVDB converts no vectors.
         return sameVoxels<openvdb::Vec3SGrid>(static_cast<const openvdb::Vec3DGrid&>(*grid),
                                               [](const openvdb::Vec3d& value) { return openvdb::Vec3s(value); });
-    return grid;
+    openvdb::GridBase::Ptr made;
+    const openvdb::GridBase& other = *grid;
+    other.apply<WholeGrids>([&](const auto& whole) {
+        made = sameVoxels<openvdb::FloatGrid>(whole, [](const auto& value) { return static_cast<float>(value); });
+    });
+    return made ? made : grid;
 }
 
 GridOffer offerOf(const openvdb::GridBase& grid) {
@@ -330,9 +335,13 @@ GridInfo describeGrid(const openvdb::GridBase& grid) {
     info.usable = offerOf(grid).isScalar();
     info.colour = offerOf(grid).isVector();
     if (!info.usable) return info;
-    const Statistics values = grid.isType<openvdb::FloatGrid>()
-                                  ? statistics(static_cast<const openvdb::FloatGrid&>(grid))
-                                  : statistics(static_cast<const openvdb::DoubleGrid&>(grid));
+    const auto valuesOf = [](const openvdb::GridBase& real) {
+        return real.isType<openvdb::FloatGrid>() ? statistics(static_cast<const openvdb::FloatGrid&>(real))
+                                                 : statistics(static_cast<const openvdb::DoubleGrid&>(real));
+    };
+    const Statistics values = offerOf(grid).isReal()
+                                  ? valuesOf(grid)
+                                  : valuesOf(*inFloats(std::const_pointer_cast<openvdb::GridBase>(grid.copyGrid())));
     info.nonFinite = values.nonFinite;
     info.negative = values.negative;
     if (values.minValue <= values.maxValue) {

@@ -15,6 +15,8 @@ namespace scrim {
 
 /// The types of grids that are computed with. Each costs half a minute of compilation.
 using FloatGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Vec3SGrid>;
+/// Scalar grids of other numbers than real ones.
+using WholeGrids = openvdb::TypeList<openvdb::Int32Grid, openvdb::Int64Grid, openvdb::BoolGrid, openvdb::MaskGrid>;
 
 /// Gives the grid a name and a place.
 void placeGrid(openvdb::GridBase& grid, const std::string& name, const Mat4& wsFromIs);

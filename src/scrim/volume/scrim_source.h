@@ -40,7 +40,7 @@
  *
  * Files. An untrusted file may crash its reader or take it over. If loading is guarded, as it always is in Scrim's
  * program, a source with a parameter called `file` therefore runs in a process that can do little else. There the
- * source can open that file and one other file of the same folder, for reading, with any library (if it fails
+ * source can open that file and one other file of the same folder or below, for reading, with any library (if it fails
  * because it lacks the other file, it is run again with it), and can compute with any number of threads. All other
  * files seem not to exist, so tables and the like should be read when the source is loaded. Starting a process
  * fails; writing a file or making a socket ends the process. A crash becomes an error. A source that needs more must
@@ -48,7 +48,8 @@
  *
  * If `file` names a folder, or one DICOM file (.dcm, .dicom) of a folder, then there the source finds under that name
  * one file that holds the folder's DICOM files: the line "scrim folder", and for each of them a line "SIZE NAME",
- * sorted by name, followed by its SIZE bytes. Elsewhere it finds the folder itself.
+ * sorted by name, followed by its SIZE bytes. Elsewhere it finds the folder itself. A file that is not DICOM, although
+ * its name says so, is found as it is.
  */
 #ifndef SCRIM_SOURCE_H
 #define SCRIM_SOURCE_H

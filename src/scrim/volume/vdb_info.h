@@ -25,11 +25,11 @@ struct GridInfo {
     Mat4 wsFromIs{1.0};  ///< identity where the transform is not affine
     Int3 isLower{0};     ///< active bounds, inclusive; an empty grid has isUpper < isLower
     Int3 isUpper{-1};
-    double minValue = 0;  ///< over finite active values of a float or double grid, 0 without any
+    double minValue = 0;  ///< over finite active values of a usable grid, 0 without any
     double maxValue = 0;
     std::uint64_t nonFinite = 0;  ///< active voxels, including those of tiles, that are NaN or infinite
     std::uint64_t negative = 0;   ///< active voxels, including those of tiles, below 0
-    bool usable = false;          ///< a field can be made from it: float (also if saved as half) or double
+    bool usable = false;          ///< a field can be made from it: GridOffer::isScalar
     std::string problem;          ///< why it could not be read although the file is sound; all else is then 0
     bool colour = false;  ///< one field for each component can be made from it, since it is a vec3 grid of such numbers
 };
@@ -39,6 +39,7 @@ struct VdbFileInfo {
     std::uint32_t fileVersion = 0;   ///< version of the file format, 222 to 225 these days
     std::uint32_t libraryMajor = 0;  ///< version of the OpenVDB that wrote it
     std::uint32_t libraryMinor = 0;
+    bool isNano = false;  ///< a NanoVDB file, and the versions are NanoVDB's
     std::uint64_t fileBytes = 0;
     std::vector<std::pair<std::string, std::string>> metadata;  ///< of the file ("creator", ...), clipped
     std::vector<GridInfo> grids;                                ///< in the file's order

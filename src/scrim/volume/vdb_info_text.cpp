@@ -95,6 +95,7 @@ std::string toJson(const VdbFileInfo& info) {
     const json all = {{"path", info.path},
                       {"file_version", info.fileVersion},
                       {"library_version", {info.libraryMajor, info.libraryMinor}},
+                      {"nanovdb", info.isNano},
                       {"file_bytes", info.fileBytes},
                       {"metadata", metadata},
                       {"grids", grids}};
@@ -108,6 +109,7 @@ VdbFileInfo vdbFileInfoFromJson(const std::string& text) {
         all.at("path").get_to(info.path);
         all.at("file_version").get_to(info.fileVersion);
         all.at("library_version").at(0).get_to(info.libraryMajor);
+        all.at("nanovdb").get_to(info.isNano);
         all.at("library_version").at(1).get_to(info.libraryMinor);
         all.at("file_bytes").get_to(info.fileBytes);
         for (const json& entry : all.at("metadata"))

@@ -2,6 +2,7 @@
 #include <scrim/volume/vdb_layout.h>
 
 #include <scrim/base/error.h>
+#include <scrim/volume/nano_layout.h>
 
 #include <algorithm>
 #include <array>
@@ -119,6 +120,7 @@ VdbLayout walkGrids(VdbWalker& walk, const VdbBytes& bytes, VdbLayout layout) {
 }  // namespace
 
 VdbLayout checkVdbLayout(const VdbBytes& bytes) {
+    if (isNanoVdb(bytes)) return checkNanoLayout(bytes);
     checkMagic(bytes);
     VdbWalker walk(bytes, sizeof kMagic);
     VdbLayout layout;

@@ -19,6 +19,12 @@
 namespace scrim {
 
 struct VdbLayout {
+    /// How a grid lies in a NanoVDB file.
+    struct Nano {
+        std::uint32_t type = 0;   ///< nanovdb::GridType
+        std::uint16_t codec = 0;  ///< 0: none, 1: zip, 2: blosc
+        std::uint64_t bytes = 0;  ///< in memory
+    };
     struct Grid {
         std::string name;         ///< without the suffix OpenVDB adds to tell equal names apart
         std::string type;         ///< "Tree_float_5_4_3", ...
@@ -31,6 +37,8 @@ struct VdbLayout {
         std::optional<Int3> isLower, isUpper;
         std::string map;          ///< kind of its transform: "UniformScaleMap", ...
         std::uint64_t mapAt = 0;  ///< position of the first byte of the transform's numbers
+        /// In a NanoVDB file, where `begin` and `end` are those of the grid alone, and there is no map.
+        std::optional<Nano> nano = {};
     };
     std::uint32_t fileVersion = 0;
     std::uint32_t libraryMajor = 0;
@@ -38,13 +46,15 @@ struct VdbLayout {
     std::string creator;      ///< the program that wrote the file, by the file's metadata; "": unknown
     bool isNewer = false;     ///< the version is newer than all that are known here; what follows may be missing
     bool hasOffsets = false;  ///< the file was written to disk, not to a pipe
+    bool isNano = false;      ///< a NanoVDB file (nano_layout.h), whose versions are NanoVDB's
     /// Position of the number of grids (int32), which ends the header; only with offsets.
     std::uint64_t gridsBegin = 0;
     /// Empty where the file does not say where grids begin (no offsets, or before version 222).
     std::vector<Grid> grids;
 };
 
-/// Throws Error(input) "path: not a VDB file (...)" or "path: truncated or damaged: ...".
+/// Of an OpenVDB or a NanoVDB file. Throws Error(input) "path: not a VDB file (...)" or "path: truncated or damaged:
+/// ...".
 VdbLayout checkVdbLayout(const VdbBytes& bytes);
 VdbLayout checkVdbLayout(const std::string& path, std::span<const char> bytes);
 

@@ -5,11 +5,13 @@
 #include <scrim/volume/grid_choice.h>
 #include <scrim/volume/grid_combiner.h>
 #include <scrim/volume/grid_editor.h>
+#include <scrim/volume/nano_grid.h>
 #include <scrim/volume/openvdb_field.h>
 #include <scrim/volume/vdb_layout.h>
 #include <scrim/volume/vdb_part.h>
 
 #include <algorithm>
+#include <cstring>
 #include <istream>
 #include <numeric>
 #include <optional>
@@ -108,12 +110,21 @@ void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, c
                   kMessageLimit));
 }
 
+/// Gives a file of a newer version the last one that OpenVDB knows. OpenVDB would print a warning, which the confined
+/// process must not; the caller warns.
+void asKnownVersion(std::span<char> bytes) {
+    constexpr std::size_t kVersionAt = 8;  // behind the magic number
+    const std::uint32_t known = openvdb::OPENVDB_FILE_VERSION;
+    std::memcpy(bytes.data() + kVersionAt, &known, sizeof known);
+}
+
 /// Has OpenVDB parse `bytes` and returns the grids; everything it can throw becomes an Error.
 openvdb::GridPtrVec parse(ParsedVdb& content, std::span<char> bytes) {
     const std::string damaged = content.layout.isNewer
                                     ? fmt::format("file version {} is newer than what OpenVDB {} knows, or damaged: ",
                                                   content.layout.fileVersion, openvdb::getLibraryVersionString())
                                     : "truncated or damaged: ";
+    if (content.layout.isNewer) asKnownVersion(bytes);
     openvdb::GridPtrVec grids;
     try {
         MemoryBuffer buffer(bytes);
@@ -158,6 +169,25 @@ void readSingly(const VdbBytes& file, ParsedVdb& content) {
         }
 }
 
+/// The same of a NanoVDB file.
+std::unique_ptr<ParsedVdb> readNano(const VdbBytes& file, std::unique_ptr<ParsedVdb> content,
+                                    const std::optional<std::vector<std::size_t>>& places) {
+    openvdb::initialize();
+    const std::vector<VdbLayout::Grid>& all = content->layout.grids;
+    content->grids.resize(all.size());
+    if (places) {
+        for (const std::size_t i : *places) content->grids[i] = readNanoGrid(file, all[i]);
+        return content;
+    }
+    content->problems.resize(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (content->offers[i].isScalar() || content->offers[i].isVector())
+            content->grids[i] = readNanoGrid(file, all[i]);
+        else
+            content->problems[i] = fmt::format("it has the type '{}', which is not read", all[i].type);
+    return content;
+}
+
 /// Opens the file for `requests` and the grids called `others`, or for all grids.
 std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequest>* requests,
                                 const std::vector<std::string>& others = {}) {
@@ -169,6 +199,7 @@ std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequ
     content->offers = offersOf(content->layout);
     std::optional<std::vector<std::size_t>> places;
     if (requests) places = neededGrids(content->layout, *requests, others);
+    if (content->layout.isNano) return readNano(file, std::move(content), places);
     std::vector<char> bytes = places ? partOfFile(file, content->layout, *places) : allOfFile(file);
 
     openvdb::initialize();
@@ -260,6 +291,7 @@ VdbFileInfo ParsedVdb::info() const {
     out.fileVersion = layout.fileVersion;
     out.libraryMajor = layout.libraryMajor;
     out.libraryMinor = layout.libraryMinor;
+    out.isNano = layout.isNano;
     out.fileBytes = bytes;
     out.metadata = metadata;
     const std::vector<VdbLayout::Grid>& described = layout.grids;
@@ -300,7 +332,7 @@ std::string ParsedVdb::asFile() const {
 
 SparseField ParsedVdb::lastField(const GridRequest& request, const MessageSink& messages) {
     const auto choice = chooseGrid(offers, request);
-    if (choice && grids[choice->grid] && request.part == GridPart::whole && request.component == GridRequest::kScalar) {
+    if (choice && grids[choice->grid] && request.part == GridPart::whole && choice->component == GridRequest::kScalar) {
         grids[choice->grid] = inFloats(std::move(grids[choice->grid]));
         levelSetIntoFog(*grids[choice->grid], path, messages);
     }
@@ -325,8 +357,10 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
     try {
         if (request.part != GridPart::whole)
             return velocityFromGrid(grid, choice->component, request.part == GridPart::negative, path, messages);
-        return request.component == GridRequest::kScalar ? fieldFromGrid(grid, path, messages)
-                                                         : colourFromGrid(grid, choice->component, path, messages);
+        // A scalar may be a component of a vec3 grid.
+        return request.component == GridRequest::kScalar && choice->component == GridRequest::kScalar
+                   ? fieldFromGrid(grid, path, messages)
+                   : colourFromGrid(grid, choice->component, path, messages);
     } catch (const Error& error) {
         if (error.kind() == ErrorKind::input) throw GridError(error.what(), request);
         throw;

@@ -99,4 +99,17 @@ class BuiltSource : public ::testing::Test {
     TempFolder m_folder;
 };
 
+/// Runs the source `scan` on a file.
+class ScanSource : public BuiltSource {
+  protected:
+    static SparseField read(const std::string& path, Parameters more = {}) {
+        more.insert(more.begin(), {"file", path});
+        return make("scan", more);
+    }
+    static std::string refused(const std::string& path, Parameters more = {}) {
+        more.insert(more.begin(), {"file", path});
+        return reason("scan", more);
+    }
+};
+
 }  // namespace scrim::test

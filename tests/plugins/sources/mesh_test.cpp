@@ -123,8 +123,52 @@ TEST_F(MeshSource, BadFilesAreRefused) {
     EXPECT_EQ(refused(write("text.ply", "this is no mesh")), file("text.ply") + ": has no PLY header");
     std::string few = cubePly("binary_little_endian");
     few.resize(few.find("end_header") + 60);
-    EXPECT_EQ(refused(write("few.ply", few)),
-              file("few.ply") + ": has 50 bytes after its header, which declares at least 102");
+    EXPECT_EQ(refused(write("few.ply", few)), file("few.ply") + ": is cut off: its " + std::to_string(few.size()) +
+                                                  " bytes end before all of its 8 'vertex' elements");
+    std::string odd = cubePly("ascii");
+    odd.replace(odd.find("float x"), 7, "real x ");
+    EXPECT_EQ(refused(write("odd.ply", odd)),
+              file("odd.ply") +
+                  ": its header has a property of type 'real', expected char, uchar, short, ushort, int, "
+                  "uint, float or double");
+    odd = cubePly("ascii");
+    odd.resize(odd.find("end_header") + 60);
+    EXPECT_EQ(refused(write("odd.ply", odd)),
+              file("odd.ply") + ": has 49 bytes after its header, which declares at least 60");
+}
+
+// Whatever is behind the vertices, the file has all of what its header declares, or is refused: every type has its
+// size.
+TEST_F(MeshSource, PlyOfEveryTypeIsHeldAgainstItsSize) {
+    for (const auto& [type, other, bytes] :
+         std::vector<std::tuple<std::string, std::string, std::size_t>>{{"char", "int8", 1},
+                                                                        {"uchar", "uint8", 1},
+                                                                        {"short", "int16", 2},
+                                                                        {"ushort", "uint16", 2},
+                                                                        {"int", "int32", 4},
+                                                                        {"uint", "uint32", 4},
+                                                                        {"float", "float32", 4},
+                                                                        {"double", "float64", 8}})
+        for (const std::string& name : {type, other})
+            for (const bool list : {false, true})
+                for (const char* format : {"binary_little_endian", "binary_big_endian"}) {
+                    if (list && (type == "float" || type == "double")) continue;
+                    std::string ply = cubePly(format);
+                    // A list of three numbers, whose length has the type, or one number.
+                    std::string length(bytes, '\0');
+                    length[std::string_view(format).ends_with("little_endian") ? 0 : bytes - 1] = '\3';
+                    ply.insert(ply.find("end_header"),
+                               "element mark 1\nproperty " + (list ? "list " + name + " uchar" : name) + " m\n");
+                    ply += list ? length + "abc" : std::string(bytes, '\0');
+                    const std::string what = name + (list ? " list, " : ", ") + format;
+                    EXPECT_GT(fog(write("a.ply", ply), {{"resolution", "12"}}).activeVoxels, 0u) << what;
+                    ply.pop_back();
+                    EXPECT_EQ(refused(write("a.ply", ply)),
+                              file("a.ply") + fmt::format(": is cut off: its {} bytes end before all of its 1 'mark' "
+                                                          "elements",
+                                                          ply.size()))
+                        << what;
+                }
 }
 
 // The library that reads meshes crashes on some of these; that must not reach whoever guards himself.

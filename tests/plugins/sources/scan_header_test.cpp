@@ -8,7 +8,7 @@
 namespace scrim::test {
 namespace {
 
-class ScanHeader : public BuiltSource {
+class ScanHeader : public ScanSource {
   protected:
     /// 24 bytes 1, 2, ... for 2 x 3 x 4 samples.
     static std::string counting() {
@@ -19,14 +19,6 @@ class ScanHeader : public BuiltSource {
     std::string nrrd(const std::string& name, const std::string& fields, const std::string& data = "") const {
         return write(name, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 3 4\n" + fields +
                                (name.ends_with(".nhdr") ? "" : "\n" + data));
-    }
-    static SparseField read(const std::string& path, Parameters more = {}) {
-        more.insert(more.begin(), {"file", path});
-        return make("scan", more);
-    }
-    static std::string refused(const std::string& path, Parameters more = {}) {
-        more.insert(more.begin(), {"file", path});
-        return reason("scan", more);
     }
     static void expectCounting(const SparseField& f) {
         for (int z = 0; z < 4; ++z)
@@ -111,6 +103,54 @@ TEST_F(ScanHeader, NrrdsPlaceIsKept) {
     EXPECT_EQ(transformPoint(respaced.wsFromIs, Vec3(1, 0, 0)), Vec3(10, 21, 30));
 }
 
+// A step along x of the file is a step along x of the world, which is right-handed, or against it.
+TEST_F(ScanHeader, NrrdsLeftHandedSpacesAreTurned) {
+    const std::string place = "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\n";
+    struct Case {
+        std::string space, world;
+        int x;
+    };
+    for (const auto& [space, world, x] : std::vector<Case>{
+             {"right-anterior-superior", "right-anterior-superior", 1},
+             {"left-anterior-superior", "right-anterior-superior", -1},
+             {"left-posterior-superior", "left-posterior-superior", 1},
+             {"right-posterior-superior", "left-posterior-superior", -1},
+             {"left-anterior-inferior", "left-anterior-inferior", 1},
+             {"right-anterior-inferior", "left-anterior-inferior", -1},
+             {"right-posterior-inferior", "right-posterior-inferior", 1},
+             {"left-posterior-inferior", "right-posterior-inferior", -1},
+             {"RAS", "right-anterior-superior", 1},
+             {"LAS", "right-anterior-superior", -1},
+             {"LPS", "left-posterior-superior", 1},
+             {"rps", "left-posterior-superior", -1},
+             {"scanner-xyz", "scanner-xyz", 1},
+             {"3D-right-handed", "3D-right-handed", 1},
+             {"3D-left-handed", "3D-right-handed", -1},
+         }) {
+        const std::string path = nrrd("a.nrrd", "space: " + space + "\n" + place + "encoding: raw\n", counting());
+        const SparseField f = read(path);
+        expectCounting(f);
+        EXPECT_EQ(transformPoint(f.wsFromIs, Vec3(1, 1, 1)), Vec3(x * 12, 23, 34)) << space;
+        const auto described = generate("scan", {{"file", path}, {"describe", "true"}}, {});
+        EXPECT_EQ(described.at(1).name, "samples of uint8, " + world) << space;
+    }
+    for (const auto& [space, x] :
+         {std::pair{"RAST", 12}, {"LAST", -12}, {"left-anterior-superior-time", -12}, {"3D-left-handed-time", -12}}) {
+        const SparseField f = read(nrrd("t.nrrd",
+                                        std::string("space: ") + space +
+                                            "\nspace directions: (2,0,0,0) (0,3,0,0) (0,0,4,0)\n"
+                                            "space origin: (10,20,30,7)\nencoding: raw\n",
+                                        counting()));
+        EXPECT_EQ(transformPoint(f.wsFromIs, Vec3(1, 1, 1)), Vec3(x, 23, 34)) << space;
+    }
+    write("samples.bin", counting());
+    const SparseField apart =
+        read(nrrd("b.nhdr", "space: LPI\r\n" + place + "encoding: raw\ndata file: samples.bin\n"));
+    expectCounting(apart);
+    EXPECT_EQ(transformPoint(apart.wsFromIs, Vec3(1, 1, 1)), Vec3(-12, 23, 34));
+    EXPECT_NE(refused(nrrd("c.nrrd", "space: up-and-down\n" + place + "encoding: raw\n", counting())), "");
+}
+
 TEST_F(ScanHeader, BadNrrdIsRefused) {
     const std::string other = write("other.nrrd", "JUNK");
     EXPECT_EQ(refused(other), other + ": is not an NRRD file: it does not begin with 'NRRD'");
@@ -125,7 +165,7 @@ TEST_F(ScanHeader, BadNrrdIsRefused) {
     EXPECT_NE(refused(cut).find("cut.nrrd: "), std::string::npos);
     const std::string flat =
         write("flat.nrrd", "NRRD0004\ntype: uint8\ndimension: 2\nsizes: 2 2\nencoding: raw\n\nabcd");
-    EXPECT_EQ(refused(flat), flat + ": has 2 dimensions, expected 3");
+    EXPECT_EQ(refused(flat), flat + ": has 2 dimensions, expected 3 or 4");
     const std::string huge = write(
         "huge.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2000000 2000000 2000000\nencoding: raw\n\nabcd");
     EXPECT_EQ(refused(huge), huge + ": 2000000 x 2000000 x 2000000 samples are too many, expected at most 2147483648");
@@ -139,8 +179,11 @@ TEST_F(ScanHeader, BadNrrdIsRefused) {
     EXPECT_EQ(refused(blocks), blocks + ": holds samples of type 'block', expected numbers");
     write("x1.raw", counting());
     write("x2.raw", counting());
-    const std::string several = nrrd("several.nhdr", "encoding: raw\ndata file: x%d.raw 1 2 1 3\n");
-    EXPECT_NE(refused(several).find("several.nhdr: "), std::string::npos);
+    for (const std::string files : {"x%d.raw 1 2 1", "LIST\nx1.raw\nx2.raw", "x%03d.raw 0 3 1", "LIST\nnone\nneither"})
+        EXPECT_EQ(refused(nrrd("several.nhdr", "encoding: raw\ndata file: " + files + "\n")),
+                  file("several.nhdr") +
+                      ": its samples are in several files, expected one; join them (unu save -f nrrd -i several.nhdr "
+                      "-o WHOLE.nrrd does, or 3D Slicer)");
 }
 
 TEST_F(ScanHeader, NiftiIsReadPlainAndCompressed) {
@@ -150,6 +193,20 @@ TEST_F(ScanHeader, NiftiIsReadPlainAndCompressed) {
     EXPECT_EQ(transformPoint(f.wsFromIs, Vec3(1, 1, 1)), Vec3(2, 3, 4));
     const std::string bytes = NiftiHeader{}.bytes() + counting();
     expectCounting(read(write("b.nii.gz", gzipped(bytes))));
+}
+
+TEST_F(ScanHeader, NiftiIsReadInPairsAndAnalyzeIsRefused) {
+    NiftiHeader header;
+    header.pair = true;
+    const std::string path = write("pair.hdr", header.bytes());
+    write("pair.img", counting());
+    expectCounting(read(path));
+    const std::string lonely = write("lonely.hdr", header.bytes());
+    EXPECT_EQ(refused(lonely), file("lonely.img") + ": there is no such file");
+    const std::string analyze = write("analyze.hdr", std::string("\x5c\1\0\0", 4) + std::string(344, '\0'));
+    EXPECT_EQ(refused(analyze), analyze +
+                                    ": is no NIfTI header; if it is one of Analyze 7.5, which does not say where left "
+                                    "is, convert it to NIfTI (fslchfiletype NIFTI, or 3D Slicer)");
 }
 
 TEST_F(ScanHeader, NiftisPlaceAndSlopeAreKept) {
@@ -173,7 +230,9 @@ TEST_F(ScanHeader, BadNiftiIsRefused) {
     series.dims[0] = 4;
     series.dims[4] = 2;
     const std::string film = write("film.nii", series.bytes() + counting() + counting());
-    EXPECT_EQ(refused(film), film + ": holds several volumes (4 dimensions), expected one");
+    EXPECT_EQ(refused(film), film + ": holds 2 volumes, expected one; component = 0 to 1 takes one of them");
+    EXPECT_EQ(refused(film, {{"component", "2"}}), film + ": holds 2 volumes, and no component 2");
+    expectCounting(read(film, {{"component", "1"}}));
     NiftiHeader colour;
     colour.type = 128;
     colour.bits = 24;

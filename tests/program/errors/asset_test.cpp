@@ -401,6 +401,27 @@ TEST_F(Asset, PointsWithAForeignCodecAreNotDamage) {
     runWell({"render", "p.vdb", "-o", "p.exr", "--res", "16x16", "--quality", "draft"});
 }
 
+// OpenVDB prints a warning about such files, which the confined process must not.
+TEST_F(Asset, FilesOfNewerVersionsAreReadWithAWord) {
+    std::string bytes = readBytes(file("smoke.vdb"));
+    bytes[8] = static_cast<char>(225);
+    write("new.vdb", bytes);
+    EXPECT_TRUE(contains(runWell({"info", "new.vdb"}).out, "225"));
+    const ProgramResult result = runWell({"render", "new.vdb", "-o", "new.exr", "--res", "16x16"});
+    EXPECT_TRUE(contains(result.err, "new.vdb: file version 225 is newer than OpenVDB ")) << result.err;
+    // Its half grids: a type with a shorter name.
+    const std::string name = "density", type = "Tree_float_5_4_3", half = "Tree_half_5_4_3";
+    const auto text = [](const std::string& t) { return std::string{static_cast<char>(t.size()), 0, 0, 0} + t; };
+    const std::size_t at = bytes.find(text(name) + text(type));
+    ASSERT_NE(at, std::string::npos);
+    bytes.replace(at, 8 + name.size() + type.size(), text("density2") + text(half));
+    write("half.vdb", bytes);
+    EXPECT_TRUE(contains(runWell({"info", "half.vdb"}).out, "Tree_half_5_4_3")) << runWell({"info", "half.vdb"}).out;
+    expectFailure({"render", "half.vdb", "-o", "half.exr"}, 3,
+                  "half.vdb: holds no scalar grid, only 'density2' (half); half grids of OpenVDB 13 are "
+                  "not read, save it as a float grid (in half precision, if you like)");
+}
+
 TEST_F(Asset, RealScansAreShown) {
     SCRIM_NEEDS_DATA("scan/bonsai_256.nrrd");
     const std::string scan = dataFile("scan/bonsai_256.nrrd");

@@ -62,6 +62,13 @@ TEST_F(Ax, ChangedParametersChangeTheNextFrame) {
     EXPECT_EQ(pixels(file("out.02.exr")), picture("density = { scale = 3 }"));
 }
 
+TEST_F(Ax, AGridThatIsMadeIsNotTheDensityOfAFileWithoutNames) {
+    for (const char* gridClass : {"", "fog volume"}) {
+        makeVdb(file("smoke.vdb"), {{.name = "", .gridClass = gridClass, .voxels = box({-6, -6, -6}, {6, 6, 6}, 0.2)}});
+        EXPECT_EQ(picture("ax = 'f@foo = 0;'"), picture("")) << gridClass;
+    }
+}
+
 TEST_F(Ax, WorksOnSources) {
     const std::string source = "[[volume]]\nsource = 'noise'\n";
     write("a.toml",

@@ -74,8 +74,7 @@ void expectTypeRefused(const std::string& folder, const std::string& type, const
     makeVdb(folder + "/odd.vdb", {{.name = "odd", .type = type, .voxels = {{{0, 0, 0}, 1}}}});
     const ProgramResult result = runProgram(folder, {"render", "odd.vdb"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err,
-              "scrim: error: odd.vdb: holds no float, half or double grid, only 'odd' (" + valueType + ")\n");
+    EXPECT_EQ(result.err, "scrim: error: odd.vdb: holds no scalar grid, only 'odd' (" + valueType + ")\n");
     EXPECT_FALSE(std::filesystem::exists(folder + "/odd.exr"));
 }
 
@@ -85,27 +84,38 @@ TEST_F(CliErrors, PointGridIsRefused) {
 TEST_F(CliErrors, VectorGridIsRefused) {
     expectTypeRefused(m_folder.path(), "vec3s", "vec3s");
 }
-TEST_F(CliErrors, IntegerGridIsRefused) {
-    expectTypeRefused(m_folder.path(), "int32", "int32");
+TEST_F(CliErrors, GridOfIntegerVectorsIsRefused) {
+    expectTypeRefused(m_folder.path(), "vec3i", "vec3i");
 }
 
 TEST_F(CliErrors, NamedGridOfAnotherTypeIsRefusedWithTheUsableOnes) {
     makeVdb(file("two.vdb"), {{.name = "fuel", .voxels = {{{0, 0, 0}, 1}}},
-                              {.name = "id", .type = "int32", .voxels = {{{0, 0, 0}, 1}}}});
+                              {.name = "id", .type = "vec3i", .voxels = {{{0, 0, 0}, 1}}}});
     write("grid.toml", kCamera + "[[volume]]\nfile = \"two.vdb\"\ndensity = { grid = \"id\" }\n");
     expectFailure({"render", "grid.toml"}, kInput,
-                  "grid.toml:8:20: two.vdb: grid 'id' holds int32 values, where a float, half or double grid is "
-                  "expected; of those "
+                  "grid.toml:8:20: two.vdb: grid 'id' holds vec3i values, where a scalar grid is expected; of those "
                   "there is 'fuel'");
 }
 
 TEST_F(CliErrors, EmptyGridGivesABlackFrameAndAWarning) {
     makeVdb(file("empty.vdb"), {MadeGrid{}});
     const ProgramResult result = runWell({"render", "empty.vdb", "--res", "20x10", "-q"});
-    EXPECT_EQ(result.err, "scrim: warning: empty.vdb: nothing to render: grid 'density' has no active voxels\n");
+    const std::string said =
+        "nothing to render: grid 'density' has no active voxels with values above 0 (below 1.2e-38 they count as 0)\n";
+    EXPECT_EQ(result.err, "scrim: warning: empty.vdb: " + said);
     const Image picture = readExr(file("empty.exr"));
     EXPECT_EQ(picture.rgba, std::vector<float>(4, 0.0f));  // one pixel: EXR cannot say "nothing"
     EXPECT_EQ(readExrAttributes(file("empty.exr")).at("displayWindow"), "0 0 20 10");
+    makeVdb(file("zeros.vdb"), {{.voxels = box({0, 0, 0}, {7, 7, 7}, 0)}});
+    EXPECT_EQ(runWell({"render", "zeros.vdb", "--res", "20x10", "-q"}).err, "scrim: warning: zeros.vdb: " + said);
+}
+
+// Means of values near the smallest that a float holds count as 0: the coarser field would be empty, and so out of
+// view.
+TEST_F(CliErrors, TheSmallestValuesAreInView) {
+    makeVdb(file("least.vdb"), {{.voxels = box({0, 0, 0}, {7, 7, 7}, 2e-38)}});
+    write("least.toml", kCamera + "[[volume]]\nfile = \"least.vdb\"\n" + kLight);
+    EXPECT_EQ(runWell({"render", "least.toml", "-o", "least.exr", "-q", "--set", "camera.position=[0,0,900]"}).err, "");
 }
 
 TEST_F(CliErrors, UnknownSourceOfASceneIsLocated) {
@@ -253,7 +263,7 @@ TEST_F(CliErrors, OcioConfigThatRefersToItselfIsRefusedBeforeTheRender) {
     expectFailure({"render", "scene.toml", "--ocio", "ring.ocio", "--preview", "p.png"}, kInput,
                   "cannot make the view 'v' of display 'd': " + ring);
     expectFailure({"render", "scene.toml", "--ocio", "ring.ocio", "--set", "output.colorspace=a"}, kInput,
-                  "cannot convert from 'lin' to 'a': " + ring);
+                  "--set output.colorspace: 'colorspace': cannot convert from 'lin' to 'a': " + ring);
 }
 
 TEST_F(CliErrors, UnreadableOcioConfigOfTheEnvironmentIsNoSilentFallback) {
@@ -303,8 +313,8 @@ TEST_F(CliErrors, UnknownQualityListsThePresets) {
 
 TEST_F(CliErrors, UnknownKindOfInputIsUsage) {
     expectFailure({"render", "smoke.png"}, kUsage,
-                  "smoke.png: expected a scene (.toml), an asset (.vdb) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
-                  ".dcm, or a folder of DICOM files)");
+                  "smoke.png: expected a scene (.toml), an asset (.vdb, .nvdb) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
+                  ".hdr, .mha, .mhd, .npy, .mrc, .dcm, or a folder of DICOM files)");
 }
 
 TEST_F(CliErrors, NoInputIsUsage) {

@@ -51,7 +51,7 @@ TEST_F(CliUse, PictureTellsHowItWasMade) {
     EXPECT_EQ(attributes.at("displayWindow"), "0 0 32 24");
     EXPECT_EQ(attributes.at("channels"), "A:half B:half G:half R:half");
     EXPECT_EQ(attributes.at("colorInteropID"), "lin_ap1_scene");
-    EXPECT_EQ(attributes.count("chromaticities"), 0u);
+    EXPECT_EQ(attributes.at("chromaticities"), "0.713 0.293 0.165 0.83 0.128 0.044 0.32168 0.33767");
     EXPECT_EQ(attributes.at("software").rfind("scrim ", 0), 0u);
     EXPECT_EQ(attributes.at("software"), "scrim " + attributes.at("scrim:version"));
     EXPECT_EQ(attributes.at("framesPerSecond"), "24000/1001");
@@ -72,6 +72,33 @@ TEST_F(CliUse, SameSceneGivesTheSameBytes) {
 TEST_F(CliUse, Aces2065GivesAnAcesContainer) {
     runWell({"render", "scene.toml", "-o", "x.exr", "--set", "output.colorspace=ACES2065-1"});
     EXPECT_EQ(readExrAttributes(file("x.exr")).at("acesImageContainerFlag"), "1");
+}
+
+TEST_F(CliUse, PrimariesAreWrittenUnlessTheyAreNotWanted) {
+    const auto attributesWith = [&](const std::vector<std::string>& set) {
+        std::vector<std::string> arguments{"render", "scene.toml", "-o", "x.exr", "-q"};
+        for (const std::string& value : set) arguments.insert(arguments.end(), {"--set", value});
+        runWell(arguments);
+        return readExrAttributes(file("x.exr"));
+    };
+    EXPECT_EQ(attributesWith({"output.colorspace=lin_rec709"}).at("chromaticities"),
+              "0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329");
+    const auto without = attributesWith({"output.chromaticities=false"});
+    EXPECT_EQ(without.count("chromaticities"), 0u);
+    EXPECT_EQ(without.at("colorInteropID"), "lin_ap1_scene");
+    EXPECT_EQ(attributesWith({"output.chromaticities=false", "output.colorspace=ACES2065-1"}).at("chromaticities"),
+              "0.7347 0.2653 0 1 0.0001 -0.077 0.32168 0.33767");
+    EXPECT_EQ(attributesWith({"output.colorspace=CIE-XYZ-D65"}).count("chromaticities"), 0u);
+}
+
+TEST_F(CliUse, ColoursThatAreEncodedForADisplayAreNotWrittenWithoutAWord) {
+    write("scene.toml", kCamera + kVolume + kLight + "[output]\ncolorspace = \"sRGB\"\n");
+    const ProgramResult result = runWell({"render", "scene.toml", "-o", "x.exr", "-q"});
+    EXPECT_EQ(result.err,
+              "scrim: warning: scene.toml:13:14: colorspace is 'sRGB', which is not linear: programs expect linear "
+              "colours in EXR, and premultiplied ones that are encoded cannot be composited; expected a linear space, "
+              "such as 'ACEScg', and 'preview' for a picture to look at\n");
+    EXPECT_EQ(readExrAttributes(file("x.exr")).count("chromaticities"), 0u);
 }
 
 TEST_F(CliUse, PreviewIsWritten) {
@@ -299,7 +326,7 @@ TEST_F(CliUse, InfoTellsColoursFromWhatCannotBeUsed) {
     const std::string table = runWell({"info", "c.vdb"}).out;
     const std::size_t second = table.find("grid 'i'");
     EXPECT_LT(table.find("usable         as a colour"), second) << table;
-    EXPECT_NE(table.find("usable         no: not float, half or double", second), std::string::npos) << table;
+    EXPECT_NE(table.find("usable         no: neither numbers nor vectors of them", second), std::string::npos) << table;
 }
 
 TEST_F(CliUse, MakeWritesAnAssetAndExplainsSources) {

@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -101,6 +103,67 @@ TEST_F(Grids, APlanSaysWhereEachGridIsFrom) {
     const auto& messages = plan[0]["messages"];
     ASSERT_EQ(messages.size(), 1u) << messages;
     EXPECT_EQ(messages[0], "scene.toml:7:30: grid 'density' is the sum of smoke.vdb: 'density', whole.vdb: 'density'");
+}
+
+class GridTypes : public ProgramTest {
+  protected:
+    /// The pixels of a scene of volumes of `file` (in the working folder), with these keys each.
+    std::vector<float> picture(const std::string& name, const std::vector<std::string>& volumes) const {
+        std::string text = kCamera;
+        for (const std::string& keys : volumes) text += "[[volume]]\nfile = \"" + name + "\"\n" + keys + "\n";
+        write("scene.toml", text + kLight);
+        runWell({"render", "scene.toml", "-o", "out.exr", "-q", "--set", "render.texel=0.2", "--set",
+                 "render.sheet_thickness=0.4", "--set", "output.type=float"});
+        return readExr(file("out.exr")).rgba;
+    }
+    static void expectNear(const std::vector<float>& a, const std::vector<float>& b, double part) {
+        ASSERT_EQ(a.size(), b.size());
+        for (std::size_t i = 0; i < a.size(); ++i)
+            if (i % 4 != 3) EXPECT_NEAR(a[i], b[i], part * std::abs(b[i]) + 1e-5) << i;  // alpha has no colours
+    }
+    static std::vector<MadeColour> colours(const Vec3& value) {
+        std::vector<MadeColour> out;
+        for (const MadeVoxel& v : box({-6, -6, -6}, {6, 6, 6}, 1)) out.push_back({v.at, value});
+        return out;
+    }
+};
+
+TEST_F(GridTypes, EmissionTakesTheColoursOfAGrid) {
+    makeVdb(file("a.vdb"), {{.name = "Le", .type = "vec3s", .colours = colours({1, 2, 4})},
+                            {.name = "heat", .voxels = box({-6, -6, -6}, {6, 6, 6}, 1)}});
+    const std::string off = "density = { grid = 'Le.x', scale = 0 }\n[volume.medium]\n";
+    const std::vector<float> of = picture("a.vdb", {off + "emission = { grid = 'Le', colors = true, scale = 0.1 }"});
+    EXPECT_EQ(of,
+              picture("a.vdb", {off + "emission = { grid = 'heat', ramp = [[0, [0, 0, 0]], [1, [1, 2, 4]]], scale = "
+                                      "0.1 }"}));
+    EXPECT_GT(*std::max_element(of.begin(), of.end()), 1);
+}
+
+TEST_F(GridTypes, ExtinctionOfColoursIsThatOfAVolumeForEachChannel) {
+    makeVdb(file("a.vdb"), {{.name = "sigma", .type = "vec3s", .colours = colours({0.2, 0.1, 0.05})},
+                            {.name = "density", .voxels = box({-6, -6, -6}, {6, 6, 6}, 0.2)}});
+    std::vector<std::string> channels;
+    for (const char* const keys :
+         {"r' }\n[volume.medium]\nextinction_tint = [1, 0, 0]", "g' }\n[volume.medium]\nextinction_tint = [0, 1, 0]",
+          "b' }\n[volume.medium]\nextinction_tint = [0, 0, 1]"})
+        channels.push_back(std::string("density = { grid = 'sigma.") + keys);
+    std::vector<float> apart = picture("a.vdb", channels);
+    std::vector<float> one = picture("a.vdb", {"[volume.medium]\nextinction_tint = [1, 0.5, 0.25]"});
+    expectNear(apart, one, 0.01);
+}
+
+TEST_F(GridTypes, NanoVdbFilesArePicturesOfTheirOwn) {
+    const MadeGrid smoke{.voxels = box({-6, -6, -6}, {6, 6, 6}, 0.2)};
+    makeNvdb(file("a.nvdb"), {smoke}, NanoCodec::blosc);
+    makeVdb(file("a.vdb"), {smoke});
+    EXPECT_EQ(picture("a.nvdb", {""}), picture("a.vdb", {""}));
+    EXPECT_EQ(picture("a.nvdb", {"clip = [[-3, -9, -9], [3, 9, 9]]"}),
+              picture("a.vdb", {"clip = [[-3, -9, -9], [3, 9, 9]]"}));
+    const std::string info = runWell({"info", "a.nvdb"}).out;
+    EXPECT_NE(info.find("file version     NanoVDB 32."), std::string::npos) << info;
+    EXPECT_NE(info.find("blosc (NanoVDB float)"), std::string::npos) << info;
+    runWell({"render", "a.nvdb", "--res", "16x16", "-q"});
+    EXPECT_TRUE(exists("a.exr"));
 }
 
 }  // namespace

@@ -131,12 +131,28 @@ void SourceLoader::makeScans() const {
     nifti.sform = true;
     write("a.nii", nifti.bytes() + samples());
     write("a.nii.gz", gzipped(nifti.bytes() + samples()));
+    const std::string meta = "NDims = 3\nDimSize = 8 8 10\nElementType = MET_UCHAR\nElementDataFile = ";
+    write("a.mha", meta + "LOCAL\n" + samples());
+    write("a.mhd", meta + "samples.bin\n");
+    // A stream of zlib is that of gzip without its 10 bytes of header and 8 at the end, with 2 and 4 in their places.
+    const std::string packed = gzipped(samples());
+    uLong check = adler32(0, nullptr, 0);
+    check = adler32(check, reinterpret_cast<const Bytef*>(samples().data()), static_cast<uInt>(samples().size()));
+    std::string zlib = "\x78\x9c" + packed.substr(10, packed.size() - 18);
+    for (const int shift : {24, 16, 8, 0}) zlib += static_cast<char>(check >> shift & 0xff);
+    write("zip.mha", "CompressedData = True\n" + meta + "LOCAL\n" + zlib);
+    const std::string array = "{'descr': '|u1', 'fortran_order': False, 'shape': (8, 8, 10), }\n";
+    write("a.npy",
+          std::string("\x93NUMPY\1\0", 8) + std::string{static_cast<char>(array.size()), 0} + array + samples());
+    nifti.pair = true;
+    write("pair.hdr", nifti.bytes());
+    write("pair.img", samples());
 }
 
 TEST_F(SourceLoader, ReadsEveryKindOfScanAsThisProcessDoes) {
     makeScans();
     for (const char* name : {"raw.nrrd", "gzip.nrrd", "text.nrrd", "apart.nhdr", "apart_here.nhdr", "apart_gzip.nhdr",
-                             "a.nii", "a.nii.gz"})
+                             "a.nii", "a.nii.gz", "pair.hdr", "a.mha", "zip.mha", "a.mhd", "a.npy"})
         expectSameFields("scan", name, {{"window", "full"}});
     for (const char* name : {"samples.bin", "samples.bin.gz"}) expectSameFields("scan", name, {{"size", "8, 8, 10"}});
     write("floats.raw", std::string("\0\0\x80\x3f\0\0\xc0\x7f\0\0\x80\xbf\0\0\0\x40", 16));  // 1, NaN, -1, 2
@@ -152,6 +168,15 @@ TEST_F(SourceLoader, ReadsSeriesOfFilesAsThisProcessDoes) {
     expectSameRefusal("scan", "series");
     write("series/a.dcm", "nothing");
     for (const char* name : {"series/a.dcm", "series/none.dcm"}) expectSameRefusal("scan", name);
+}
+
+// A folder's DICOM files of more than 16 GB are refused, but not for the sake of a file that is none.
+TEST_F(SourceLoader, AFolderIsNotCopiedForAFileThatIsNotDicom) {
+    write("notes.dcm", "nothing");
+    write("large", std::string(128, '\0') + "DICM");
+    std::filesystem::resize_file(file("large"), std::uintmax_t{17} << 30);  // takes no place on the disk
+    EXPECT_EQ(refused("scan", "notes.dcm"),
+              "source 'scan': " + file("notes.dcm") + ": is not a DICOM file, or holds no picture");
 }
 
 TEST_F(SourceLoader, ReadsEveryKindOfMeshAsThisProcessDoes) {
@@ -199,7 +224,10 @@ TEST_F(SourceLoader, SaysWhatThisProcessSaysOfBadFiles) {
     write("few.nhdr", nrrdHead("encoding: raw\ndata file: few.bin\n"));
     write("few.bin", "abc");
     write("junk.nii", std::string(400, 'x'));
-    for (const char* name : {"cut.nrrd", "lost.nhdr", "few.nhdr", "junk.nii"}) expectSameRefusal("scan", name);
+    write("slices.nhdr", nrrdHead("encoding: raw\ndata file: s%03d.bin 0 9 1\n"));
+    write("list.nhdr", nrrdHead("encoding: raw\ndata file: LIST\nsamples.bin\nfew.bin\n"));
+    for (const char* name : {"cut.nrrd", "lost.nhdr", "few.nhdr", "junk.nii", "slices.nhdr", "list.nhdr"})
+        expectSameRefusal("scan", name);
     write("x.stl", "solid\nendsolid\n");
     write("far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
     write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -235,13 +263,17 @@ TEST_F(SourceLoader, FilesOfOneFolderBelongTogetherAndNoOthers) {
     makeScans();
     std::filesystem::create_directories(file("sub"));
     write("sub/samples.bin", samples());
-    for (const std::string& elsewhere : {std::string("sub/samples.bin"), std::string("../samples.bin"),
+    for (const std::string below : {"sub/samples.bin", "./sub/samples.bin", "sub/./samples.bin"}) {
+        write("below.nhdr", nrrdHead("encoding: raw\ndata file: " + below + "\n"));
+        expectSameFields("scan", "below.nhdr");
+    }
+    for (const std::string& elsewhere : {std::string("../samples.bin"), std::string("sub/../../samples.bin"),
                                          file("samples.bin"), std::string("/etc/passwd")}) {
         write("elsewhere.nhdr", nrrdHead("encoding: raw\ndata file: " + elsewhere + "\n"));
         expectSameRefusal("scan", "elsewhere.nhdr");
         EXPECT_EQ(refused("scan", "elsewhere.nhdr"), "source 'scan': " + file("elsewhere.nhdr") +
                                                          ": its samples are in '" + elsewhere +
-                                                         "', expected a file in its own folder");
+                                                         "', expected a file in its own folder or below");
     }
     // Whoever may read the folder made the link.
     std::filesystem::create_symlink(file("sub/samples.bin"), file("link.bin"));
@@ -313,7 +345,7 @@ TEST_F(SourceLoader, ShowsTheSameInTheProgram) {
     write("lost.nhdr", nrrdHead("encoding: raw\ndata file: ../none.bin\n"));
     expectFailure({"render", "scene.toml", "-o", "a.exr"}, 3,
                   "scene.toml:7:10: source 'scan': lost.nhdr: its samples are in '../none.bin', expected a file in its "
-                  "own folder");
+                  "own folder or below");
     write("lost.nhdr", nrrdHead("encoding: raw\ndata file: samples.bin\n"));
     runWell({"render", "scene.toml", "-o", "a.exr", "-q"});
 }

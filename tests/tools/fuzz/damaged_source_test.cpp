@@ -7,6 +7,7 @@
 #include <scrim/base/error.h>
 #include <scrim/guard/load_fields.h>
 
+#include "support/dicom_files.h"
 #include "support/source_files.h"
 
 #include <cmath>
@@ -39,6 +40,21 @@ std::vector<Kind> kinds() {
     nifti.dims[1] = nifti.dims[2] = nifti.dims[3] = 12;
     nifti.sform = true;
     const std::string packed = gzipped(samples());
+    const std::string meta = "NDims = 3\nDimSize = 12 12 12\nElementType = MET_UCHAR\n";
+    uLongf bytes = compressBound(samples().size());
+    std::string deflated(bytes, '\0');
+    compress(reinterpret_cast<Bytef*>(deflated.data()), &bytes, reinterpret_cast<const Bytef*>(samples().data()),
+             samples().size());
+    deflated.resize(bytes);
+    const std::string array = "{'descr': '|u1', 'fortran_order': False, 'shape': (12, 12, 12), }\n";
+    const std::string numpy = std::string("\x93NUMPY\1\0", 8) + std::string{static_cast<char>(array.size()), 0} + array;
+    std::string map(1024, '\0');
+    const std::int32_t words[]{12, 12, 12, 0, 0, 0, 0, 12, 12, 12};
+    std::memcpy(map.data(), words, sizeof words);
+    std::memcpy(map.data() + 208, "MAP DD", 6);
+    DicomSlice frames = countingFrames();
+    frames.modality = DicomSlice::kEnhancedCt;
+    frames.framePositions = {"10\\20\\33", "10\\20\\30", "10\\20\\39", "10\\20\\36"};
     return {
         {"scan", "raw.nrrd", head + "encoding: raw\n\n" + samples(), ""},
         {"scan", "gzip.nrrd", head + "encoding: gzip\n\n" + packed, ""},
@@ -46,6 +62,12 @@ std::vector<Kind> kinds() {
         {"scan", "apart.nhdr", head + "encoding: gzip\ndata file: samples.bin\n", packed},
         {"scan", "a.nii", nifti.bytes() + samples(), ""},
         {"scan", "a.nii.gz", gzipped(nifti.bytes() + samples()), ""},
+        {"scan", "space.nrrd", "NRRD0004\nspace: LPI\n" + head.substr(9) + "encoding: raw\n\n" + samples(), ""},
+        {"scan", "a.mha", meta + "CompressedData = True\nElementDataFile = LOCAL\n" + deflated, ""},
+        {"scan", "a.mhd", meta + "ElementDataFile = samples.bin\n", samples()},
+        {"scan", "a.npy", numpy + samples(), ""},
+        {"scan", "a.mrc", map + samples(), ""},
+        {"scan", "a.dcm", frames.bytes(), ""},
         {"mesh", "a.obj", std::string("mtllib samples.bin\n") + kCubeObj, "newmtl red\n"},
         {"mesh", "text.ply", cubePly("ascii"), ""},
         {"mesh", "binary.ply", cubePly("binary_little_endian"), ""},

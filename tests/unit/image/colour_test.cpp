@@ -255,6 +255,13 @@ TEST(ColourConfig, KnowsInteropIds) {
     EXPECT_FALSE(colour.isAces2065("ACEScg"));
 }
 
+TEST(ColourConfig, KnowsWhatIsLinear) {
+    const ColourConfig colour = ownConfig();
+    for (const char* space : {"ACEScg", "ACES2065-1", "lin_rec709"}) EXPECT_TRUE(colour.isLinear(space)) << space;
+    EXPECT_TRUE(colour.isLinear("Raw")) << "data";
+    EXPECT_FALSE(colour.isLinear("sRGB"));
+}
+
 TEST(ColourConfig, OptionComesBeforeTheEnvironmentBeforeTheOwnConfig) {
     const test::TempFolder folder;
     std::ofstream(folder.file("old.ocio")) << kOldConfig;

@@ -190,6 +190,7 @@ TEST(Exr, AcesContainerFollowsTheStandard) {
     ExrOptions options = frameOptions();
     options.acesContainer = true;
     options.colorInteropId = "lin_ap0_scene";
+    options.chromaticities = findKnownSpace("ACES2065-1")->chromaticities;
     writeExr(folder.file("a.exr"), gradient(kFrame), options);
     const auto attributes = readExrAttributes(folder.file("a.exr"));
     EXPECT_EQ(attributes.at("acesImageContainerFlag"), "1");

@@ -156,8 +156,31 @@ TEST_F(VolumeFileTest, OutsideTheSequenceFollowsThePolicy) {
                                                           "' for frame 99; the sequence has frames 2 to 5");
 }
 
+TEST_F(VolumeFileTest, SequencesRepeatOrGoToAndFro) {
+    touch(m_folder.file("a.4.vdb"));
+    // Files 2 to 5, for frames -5 to 12.
+    const auto shown = [&](OutsidePolicy outside) {
+        std::string files;
+        for (int frame = -5; frame <= 12; ++frame) {
+            const VolumeFile found = find(frame, outside);
+            EXPECT_EQ(found.state, FileState::present) << frame;
+            files += found.path[found.path.size() - 5];
+        }
+        return files;
+    };
+    EXPECT_EQ(shown(OutsidePolicy::repeat), "345234523452345234");
+    EXPECT_EQ(shown(OutsidePolicy::pingPong), "323454323454323454");
+    std::filesystem::remove(m_folder.file("a.3.vdb"));
+    EXPECT_NE(find(7, OutsidePolicy::repeat).problem.find("there is no file '" + m_folder.file("a.3.vdb")),
+              std::string::npos);
+    for (const int frame : {2, 4}) std::filesystem::remove(m_folder.file("a." + std::to_string(frame) + ".vdb"));
+    for (const auto outside : {OutsidePolicy::repeat, OutsidePolicy::pingPong})
+        EXPECT_EQ(find(99, outside).path, m_folder.file("a.5.vdb")) << "a sequence of one file";
+}
+
 TEST_F(VolumeFileTest, AGapIsALostFileWhateverThePolicy) {
-    for (const auto outside : {OutsidePolicy::error, OutsidePolicy::hold, OutsidePolicy::black})
+    for (const auto outside : {OutsidePolicy::error, OutsidePolicy::hold, OutsidePolicy::black, OutsidePolicy::repeat,
+                               OutsidePolicy::pingPong})
         EXPECT_EQ(find(4, outside).state, FileState::missing);
 }
 

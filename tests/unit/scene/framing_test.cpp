@@ -14,6 +14,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "support/expect_error.h"
+
 namespace scrim {
 namespace {
 
@@ -263,6 +265,18 @@ TEST(Framing, AnEmptyAssetGetsAPictureOfTheOrigin) {
     const Scene scene = test::read(framingScene({.file = "a.vdb", .grid = "density", .field = &empty}, {512, 512}));
     EXPECT_EQ(scene.volumes[0].densityScale, 1);
     EXPECT_LT(glm::length(scene.camera.wsPosition), 5);
+}
+
+TEST(Framing, WhatIsTooLargeForACameraIsRefusedByItsVoxels) {
+    const SparseField field = blocks({Int3(0)}, 1, scaled(3e18, Vec3(0)));
+    FramedAsset asset;
+    asset.file = "huge.vdb";
+    asset.name = "huge";
+    asset.field = &field;
+    const std::string text = test::errorOf(ErrorKind::input, [&] { framingScene(asset, {32, 32}); });
+    EXPECT_TRUE(text.starts_with("huge.vdb: has voxels of 3e+18 world units, and would be seen from ")) << text;
+    EXPECT_TRUE(text.ends_with(" away; expected at most 1e+15. A scene with transform = { scale = 1e-20 } shows it"))
+        << text;
 }
 
 }  // namespace

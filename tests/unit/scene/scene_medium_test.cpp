@@ -210,6 +210,26 @@ TEST(SceneEmission, WithoutARampIsTheGridsOwnValue) {
     const SceneVolume v = volume("emission = { grid = \"heat\" }");
     EXPECT_TRUE(v.emission.at(0).ramp.empty());
     EXPECT_EQ(v.emission.at(0).scale, 1);
+    EXPECT_EQ(v.emission.at(0).color, Rgb(1));
+}
+
+TEST(SceneMedium, EmissionOfColoursIsThatOfThreeGrids) {
+    const SceneVolume v = volume("emission = { grid = \"Le\", colors = true, scale = 3 }");
+    ASSERT_EQ(v.emission.size(), 3u);
+    for (int c = 0; c < 3; ++c) {
+        const Emission& channel = v.emission[std::size_t(c)];
+        EXPECT_EQ(channel.grid, std::string("Le.") + "rgb"[c]);
+        EXPECT_EQ(channel.scale, 3);
+        Rgb only(0);
+        only[c] = 1;
+        EXPECT_EQ(channel.color, only);
+        EXPECT_TRUE(channel.ramp.empty());
+        EXPECT_EQ(channel.where, v.emission[0].where);
+    }
+    EXPECT_EQ(volume("emission = { grid = \"Le\", colors = false }").emission.size(), 1u);
+    EXPECT_NE(errorIn("emission = { grid = \"Le\", colors = true, ramp = [[0, [0, 0, 0]], [1, [1, 1, 1]]] }")
+                  .find("has 'colors' and 'ramp'; expected one of them"),
+              std::string::npos);
 }
 
 TEST(SceneEmission, ScaleMayBeKeyed) {

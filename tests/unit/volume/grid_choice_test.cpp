@@ -59,7 +59,7 @@ TEST(GridChoice, OfAColourIsTheFirstThatFitsAmongEqualNames) {
     EXPECT_EQ(chosen(offers, {"Cd", 0}), "1.0");
     EXPECT_EQ(chosen(offers, {"Cd[2]", 0}), "2.0");
     EXPECT_EQ(chosen(offers, {"Cd[0]", 0}), "none");
-    EXPECT_EQ(chosen(offers, {"Cd"}), "none");
+    EXPECT_EQ(chosen(offers, {"Cd"}), "0") << "a scalar";
 }
 
 TEST(GridChoice, SaysWhatThereIsInsteadOfAColour) {
@@ -72,6 +72,32 @@ TEST(GridChoice, SaysWhatThereIsInsteadOfAColour) {
         "'id.y', 'id.z' or 'id.r', 'id.g', 'id.b', or a scalar one, which is grey; there is 'id' (int32), 'density' "
         "(float), 'v[0]' (vec3s), 'v[1]' (vec3s)");
     EXPECT_EQ(whyNoGrid({}, {"Cd", 0}), "no grid 'Cd'; it holds none");
+}
+
+TEST(GridChoice, OfAScalarTakesNumbersOfEveryKindButRealOnesFirst) {
+    const std::vector<std::string> whole{"int32", "int64", "bool", "mask"};
+    for (const std::string& type : whole) {
+        const GridOffer offer{"id", "Tree_" + type + "_5_4_3", "fog volume"};
+        EXPECT_EQ(chosen({offer}, {""}), "0") << type;
+        EXPECT_EQ(chosen({offer}, {"id"}), "0") << type;
+        EXPECT_EQ(chosen({offer, {"heat", GridOffer::kFloat, "level set"}}, {""}), "1") << type;
+        EXPECT_EQ(chosen({{"heat"}, {"density", offer.type, ""}}, {""}), "1") << type;
+        EXPECT_EQ(chosen({offer}, {"id", 0}), "none") << "a colour of " << type;
+    }
+    EXPECT_EQ(chosen({{"p", "Tree_ptdataidx32_5_4_3", ""}}, {"p"}), "none");
+}
+
+TEST(GridChoice, OfAScalarMayBeAComponentOfAVector) {
+    const std::vector<GridOffer> offers{{"v", kVector}, {"v.y"}, {"density"}};
+    EXPECT_EQ(chosen(offers, {"v.x"}), "0.0");
+    EXPECT_EQ(chosen(offers, {"v.y"}), "1") << "a grid of that name";
+    EXPECT_EQ(chosen(offers, {"v.b"}), "0.2");
+    EXPECT_EQ(chosen(offers, {"v.a"}), "none");
+    EXPECT_EQ(chosen(offers, {"density.x"}), "none");
+    EXPECT_EQ(
+        whyNoGrid(offers, {"v"}),
+        "grid 'v' holds vec3s values, where a scalar grid is expected: 'v.x', 'v.y' and 'v.z' are its components; "
+        "there is 'v' (vec3s), 'v.y' (float), 'density' (float)");
 }
 
 TEST(GridOffer, ShowsWhatItHoldsAsOpenVdbSpellsIt) {

@@ -107,7 +107,7 @@ TEST(VdbBounds, AreUnknownWhereOnlyReadingWouldTell) {
     const std::vector<test::MadeVoxel> voxels{{{0, 0, 0}, 1}};
     makeVdb(path, {{.voxels = voxels}}, test::Container::stream);
     EXPECT_FALSE(vdbBounds(path, {{""}})) << "no offsets";
-    makeVdb(path, {{.voxels = voxels, .frustum = true}, {.name = "id", .type = "int32", .voxels = voxels}});
+    makeVdb(path, {{.voxels = voxels, .frustum = true}, {.name = "id", .type = "vec3i", .voxels = voxels}});
     EXPECT_FALSE(vdbBounds(path, {{""}})) << "a frustum";
     EXPECT_FALSE(vdbBounds(path, {{"id"}})) << "no scalar";
     EXPECT_FALSE(vdbBounds(path, {{"heat"}})) << "no such grid";

@@ -184,19 +184,45 @@ TEST(VdbFile, TellsEqualNamesApartByIndex) {
                   ": no grid 'density[2]'; it holds 'density[0]' (float), 'density[1]' (float), '[0]' (float)");
 }
 
+TEST(VdbFile, MakesFieldsOfWholeNumbersAndMasks) {
+    const TempFolder folder;
+    for (const std::string type : {"int32", "int64", "bool", "mask"}) {
+        const VdbFile file = made(folder, {{.name = "x",
+                                            .type = type,
+                                            .voxels = {{{1, 2, 3}, 1.0}, {{9, 2, 3}, 5.0}},
+                                            .tiles = {{{64, 0, 0}, 8, 3.0}}}});
+        const bool isTruth = type == "bool" || type == "mask";
+        const SparseField field = file.field("x", {});
+        EXPECT_EQ(field.activeVoxels, 2u + 512u) << type;
+        EXPECT_EQ(field.maxValue, isTruth ? 1.0f : 5.0f) << type;
+        ASSERT_EQ(field.tiles.size(), 1u) << type;
+        EXPECT_EQ(field.tiles[0].value, isTruth ? 1.0f : 3.0f) << type;
+        EXPECT_EQ(file.info().grids.at(0).maxValue, isTruth ? 1.0 : 5.0) << type;
+        EXPECT_TRUE(file.info().grids.at(0).usable) << type;
+    }
+}
+
+TEST(VdbFile, MakesFieldsOfTheComponentsOfVectors) {
+    const TempFolder folder;
+    const VdbFile file = made(folder, {{.name = "Le", .type = "vec3s", .colours = {{{1, 2, 3}, {4, 5, 6}}}}});
+    EXPECT_EQ(file.field("Le.r", {}).maxValue, 4);
+    EXPECT_EQ(file.field("Le.y", {}).maxValue, 5);
+    EXPECT_EQ(file.field("Le.b", {}).maxValue, 6);
+}
+
 TEST(VdbFile, RefusesAGridThatIsNotAScalarField) {
     const TempFolder folder;
-    for (const std::string type : {"int32", "bool", "vec3s", "points"}) {
+    for (const std::string type : {"vec3i", "points"}) {
         const VdbFile file = made(folder, {{.name = "x", .type = type, .voxels = {{{0, 0, 0}, 1.0}}},
                                            {.name = "heat", .voxels = {{{0, 0, 0}, 1.0}}}});
         const std::string shown = type == "points" ? "ptdataidx32" : type;
         EXPECT_EQ(errorOf(ErrorKind::input, [&] { file.field("x", {}); }),
                   folder.file("a.vdb") + ": grid 'x' holds " + shown +
-                      " values, where a float, half or double grid is expected; of those there is 'heat'");
+                      " values, where a scalar grid is expected; of those there is 'heat'");
     }
     const VdbFile only = made(folder, {{.name = "v", .type = "vec3s"}});
     EXPECT_EQ(errorOf(ErrorKind::input, [&] { only.field("", {}); }),
-              folder.file("a.vdb") + ": holds no float, half or double grid, only 'v' (vec3s)");
+              folder.file("a.vdb") + ": holds no scalar grid, only 'v' (vec3s)");
     const VdbFile none = made(folder, {});
     EXPECT_EQ(errorOf(ErrorKind::input, [&] { none.field("", {}); }), folder.file("a.vdb") + ": holds no grids");
 }

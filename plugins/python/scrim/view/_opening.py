@@ -12,7 +12,7 @@ from .._errors import Error, InputError, UsageError
 from ._opened import Opened
 
 _STAGES = (".usd", ".usda", ".usdc", ".usdz")
-_ASSETS = (".vdb", ".nrrd", ".nhdr", ".nii", ".gz")  # .nii.gz
+_ASSETS = (".vdb", ".nvdb", ".nrrd", ".nhdr", ".nii", ".gz", ".hdr", ".mha", ".mhd", ".npy", ".mrc")  # .nii.gz
 
 
 def listed(folder: str) -> list[str]:
