@@ -51,6 +51,7 @@ BESIDE = {
     "medium.emission.mask": {"medium": {"emission": {"grid": "density", "mask": {"grid": "density"}}}},
     "medium.blackbody.mask": {"medium": {"blackbody": {"grid": "density", "mask": {"grid": "density"}}}},
     "velocity": {"velocity": {"grid": "density"}},
+    "frame.between": {"velocity": {"grid": "density"}},
     "classified": {"classified": {"window": "bone"}},
     "classified.window_zero": {"classified": {"window": [0, 1]}},
     "classified.albedo": {"classified": {"window": "bone", "scattering": "full"}},

@@ -16,6 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdVol
+from scrim_kit import media
 
 from . import _materials, _motion, _own
 from ._reading import Item, Reading
@@ -228,7 +229,26 @@ def _said_by(reading: Reading, item: Item, fields: dict[str, Field] | None, own:
         if key in ("albedo", "phase") or (isinstance(value, dict) and "grid" in value):
             said["medium"].pop(key, None)
     _own.merge(said, own)
+    if not {"scattering", "octaves"} & set(own.get("medium", {})) and "shadows" not in own:
+        _scatter_as_needed(reading, item, said["medium"])
     return said
+
+
+def _scatter_as_needed(reading: Reading, item: Item, medium: dict) -> None:
+    """`scattering` of a material, which has no word for it."""
+    albedo = medium["albedo"]
+    if isinstance(albedo, dict):
+        albedo = albedo["rgb"] if "rgb" in albedo else [albedo.get("scale", 1.0)]
+    most = max(albedo) if isinstance(albedo, list) else albedo
+    if media.scattering_of([most]) != "full":
+        return
+    medium["scattering"] = "full"
+    reading.warn(
+        item.prim,
+        f'its material scatters {min(most, 1.0):.0%} of what it takes from light: scattering = "full" is taken, since '
+        "light that scatters once would leave dense smoke more than half a stop too dark; "
+        'scrim:scattering = "single" renders faster',
+    )
 
 
 def _scale_by(medium: dict, key: str, name: str, factor: float) -> None:
