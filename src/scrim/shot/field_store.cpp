@@ -393,6 +393,18 @@ VolumeFields FieldStore::fieldsOf(const SceneVolume& volume, const VolumeFile& f
     return fields;
 }
 
+/// Throws where files on both sides of a moment, which are in memory at once, take more than the memory limit.
+void FieldStore::checkRoom(const Scene& scene, const std::vector<VolumeFile>& files) const {
+    std::size_t bytes = 0;
+    for (const auto& [key, field] : m_fields) bytes += field->bytes();
+    const auto between = [](const VolumeFile& file) { return file.next != nullptr; };
+    if (m_options.memory == 0 || bytes <= m_options.memory || std::none_of(files.begin(), files.end(), between)) return;
+    throw Error(
+        ErrorKind::memory,
+        fmt::format("the files on both sides of frame {:g} take {}, more than the memory limit of {} (--memory)",
+                    scene.frame, bytesText(bytes), bytesText(m_options.memory)));
+}
+
 /// The files on both sides of a moment stay for the next frame, which mostly lies between them, too. Where all of that
 /// takes more than half of the memory limit, they are read once more instead.
 void FieldStore::dropSources(Fields& all) {
@@ -422,6 +434,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
             make(origin, missing);
     }
     m_ahead.clear();
+    checkRoom(scene, files);
 
     Fields all;
     const bool blurred = isBlurred(scene) || wantsMotion(scene);

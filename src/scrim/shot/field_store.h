@@ -88,6 +88,7 @@ class FieldStore {
                               const std::vector<std::string>& culled, VolumesOf volumesOf) const;
     void dropKnown(Uses& uses) const;
     VolumeFields fieldsOf(const SceneVolume& volume, const VolumeFile& file, double fps, bool blurred);
+    void checkRoom(const Scene& scene, const std::vector<VolumeFile>& files) const;
     void dropSources(Fields& all);
     std::vector<SparseField> fieldsOf(const std::string& path, const std::vector<GridRequest>& requests,
                                       const GridEdit* edit);

@@ -273,6 +273,12 @@ TEST_F(Between, FilesOfBothSidesStayAsFarAsTheMemoryLimitAllows) {
     EXPECT_EQ(fieldsBy(2 * bytes)[0].sources.size(), 14u);
     const Fields dropped = fieldsBy(2 * bytes - 1);
     EXPECT_TRUE(dropped[0].sources.empty());
+    // Both of them must be in memory once.
+    const std::size_t both = bytes - kept[0].density->bytes();
+    EXPECT_TRUE(fieldsBy(both)[0].sources.empty());
+    const std::string text = errorOf(ErrorKind::memory, [&] { fieldsBy(both - 1); });
+    EXPECT_TRUE(text.starts_with("the files on both sides of frame 2 take ")) << text;
+    EXPECT_TRUE(text.ends_with(" (--memory)")) << text;
     EXPECT_EQ(scrim::bytesOf(dropped), kept[0].density->bytes());
     ASSERT_EQ(dropped[0].density->blockOrigins, kept[0].density->blockOrigins);
     EXPECT_TRUE(std::equal(dropped[0].density->block(0),
