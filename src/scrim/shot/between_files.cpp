@@ -7,7 +7,8 @@
 #include <scrim/volume/field_builder.h>
 
 #include <algorithm>
-#include <optional>
+#include <cstddef>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -35,6 +36,60 @@ Bounds cameFrom(const Mat3& linear, double time, const BlockVectors& velocities,
 Bounds movedBy(const Bounds& box, const Vec3& way) {
     return {box.lower + way, box.upper + way};
 }
+
+/// The weights of four voxels in a row for a point that is `f`, 0 to 1, beyond the second (E. Catmull and R. Rom, "A
+/// Class of Local Interpolating Splines", 1974).
+std::array<double, 4> cubicWeights(double f) {
+    const double f2 = f * f, f3 = f2 * f;
+    return {-0.5 * f + f2 - 0.5 * f3, 1 - 2.5 * f2 + 1.5 * f3, 0.5 * f + 2 * f2 - 1.5 * f3, -0.5 * f2 + 0.5 * f3};
+}
+
+/// A copy of the voxels in a small box, interpolated by cubics, which keep what is as fine as a voxel. A value stays
+/// between those of the eight voxels around it, so that edges do not ring, and smoke stays above 0.
+class CubicBrick {
+  public:
+    /// Copies the voxels that look-ups within `is` need. Returns false, and copies nothing, if they are too many.
+    bool fill(const BlockIndex& index, const Bounds& is) {
+        constexpr double kMostVoxels = 1 << 15;
+        const Vec3 lower = glm::floor(is.lower) - 1.0, size = glm::floor(is.upper) + 3.0 - lower;
+        if (!(size.x * size.y * size.z <= kMostVoxels)) return false;
+        m_lower = Int3(lower);
+        m_size = Int3(size);
+        m_values.clear();
+        for (int x = 0; x < m_size.x; ++x)
+            for (int y = 0; y < m_size.y; ++y)
+                for (int z = 0; z < m_size.z; ++z)
+                    m_values.push_back(static_cast<float>(index.voxel(m_lower + Int3(x, y, z))));
+        return true;
+    }
+
+    double value(const Vec3& is) const {
+        const Vec3 floor = glm::floor(is), f = is - floor;
+        const Int3 first = Int3(floor) - m_lower;
+        const std::ptrdiff_t stepX = std::ptrdiff_t(m_size.y) * m_size.z, stepY = m_size.z;
+        const float* const v = m_values.data() + first.x * stepX + first.y * stepY + first.z;
+        float least = v[0], most = v[0];
+        for (const std::ptrdiff_t row : {std::ptrdiff_t(0), stepY, stepX, stepX + stepY}) {
+            least = std::min({least, v[row], v[row + 1]});
+            most = std::max({most, v[row], v[row + 1]});
+        }
+        if (least == most) return double(least);
+        const std::array<double, 4> wx = cubicWeights(f.x), wy = cubicWeights(f.y), wz = cubicWeights(f.z);
+        double sum = 0;
+        for (int x = 0; x < 4; ++x)
+            for (int y = 0; y < 4; ++y) {
+                const float* const row = v + (x - 1) * stepX + (y - 1) * stepY;
+                sum += wx[std::size_t(x)] * wy[std::size_t(y)] *
+                       (wz[0] * double(row[-1]) + wz[1] * double(row[0]) + wz[2] * double(row[1]) +
+                        wz[3] * double(row[2]));
+            }
+        return std::clamp(sum, double(least), double(most));
+    }
+
+  private:
+    Int3 m_lower{0}, m_size{0};
+    std::vector<float> m_values;
+};
 
 }  // namespace
 
@@ -67,8 +122,8 @@ std::vector<Int3> BetweenFields::Side::blocksOf(const FieldMap& field, const Mat
             visitBlocks(is, [&](const Int3& block) { own.push_back(block * kBlockEdge); });
         });
     }
+    if (wsFromIs == field.wsFromIs()) return own;
     const Mat4 otherFromIs = glm::inverse(wsFromIs) * field.wsFromIs();
-    if (otherFromIs == Mat4(1.0)) return own;
     std::vector<Int3> found;
     for (const Int3& origin : own) {
         const Bounds box = boxOf(origin >> 3);
@@ -90,15 +145,23 @@ void BetweenFields::Side::add(const FieldMap& field, const Mat4& wsFromIs, const
         velocities = m_velocity->velocitiesAt(wsFromIs, origin, at, movedBy(box, Vec3(origin)), brick);
         box = cameFrom(linear, m_time, velocities, at);
     }
-    const Mat4 ownFromIs = field.isFromWs() * wsFromIs;
+    const bool same = wsFromIs == field.wsFromIs();
+    const Mat4 ownFromIs = same ? Mat4(1.0) : field.isFromWs() * wsFromIs;
     const Bounds own = transformed(ownFromIs, movedBy(box, Vec3(origin)));
     if (field.most(own) == 0) return;
-    const bool same = ownFromIs == Mat4(1.0);
-    const bool copied = brick.fill(field.sampler(), {own.lower - 1.0, own.upper + 1.0});
+    if (same && !m_velocity) {
+        const BlockIndex::Place place = field.index().at(origin >> 3);
+        for (int i = 0; i < kBlockVoxels; ++i)
+            to[i] += static_cast<float>(m_weight * double(place.values ? place.values[i] : place.constant));
+        return;
+    }
+    CubicBrick voxels;
+    constexpr double kRounding = 1e-3;  // places are in floats
+    const bool copied = voxels.fill(field.index(), {own.lower - kRounding, own.upper + kRounding});
     for (std::size_t i = 0; i < kBlockVoxels; ++i) {
         const Vec3 place = Vec3(origin) + Vec3(at[0][i], at[1][i], at[2][i]);
         const Vec3 from = same ? place : transformPoint(ownFromIs, place);
-        to[i] += static_cast<float>(m_weight * (copied ? brick.value(from) : field.at(from)));
+        to[i] += static_cast<float>(m_weight * (copied ? voxels.value(from) : field.at(from)));
     }
 }
 

@@ -28,7 +28,7 @@ BUDGETS = {
     "scrim": 100, "scrim/engine": 1200, "scrim/engine/composite": 1800, "scrim/engine/light": 1800,
     "scrim/engine/model": 1700, "scrim/engine/plan": 2950, "scrim/engine/shade": 1800, "scrim/engine/splat": 3250,
     "scrim/engine/transport": 6000, "scrim/base": 1900, "scrim/geometry": 900, "scrim/guard": 2100,
-    "scrim/image": 4600, "scrim/scene": 10200, "scrim/shot": 6700, "scrim/solid": 700, "scrim/study": 1500,
+    "scrim/image": 4600, "scrim/scene": 10200, "scrim/shot": 6800, "scrim/solid": 700, "scrim/study": 1500,
     "scrim/verify": 4300, "scrim/volume": 5700, "load": 1600, "cli": 4100, "modules": 900,
 }  # fmt: skip
 
