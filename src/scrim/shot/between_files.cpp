@@ -210,6 +210,17 @@ FieldPointer BetweenStore::at(const BetweenFields& fields, const FieldPointer& f
     return m_all.emplace_back(Made{fields.moment(), first, second, fields.at(first, second)}).field;
 }
 
+bool BetweenStore::Made::isOf(const std::set<FieldPointer>& sources) const {
+    const auto known = [&](const FieldPointer& source) { return sources.contains(source); };
+    return known(first) && known(second) &&
+           std::all_of(moment.velocity.begin(), moment.velocity.end(),
+                       [&](const auto& of) { return std::all_of(of.begin(), of.end(), known); });
+}
+
+void BetweenStore::keepOnly(const std::set<FieldPointer>& sources) {
+    std::erase_if(m_all, [&](const Made& made) { return !made.isOf(sources); });
+}
+
 void BetweenStore::forgetUnused() {
     std::erase_if(m_all, [](const Made& made) { return !made.used; });
     for (Made& made : m_all) made.used = false;

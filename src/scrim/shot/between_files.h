@@ -8,6 +8,7 @@
 
 #include <array>
 #include <memory>
+#include <set>
 #include <vector>
 
 namespace scrim {
@@ -47,9 +48,13 @@ class BetweenStore {
     FieldPointer at(const BetweenFields& fields, const FieldPointer& first, const FieldPointer& second);
     /// Forgets what was not asked for since the last call.
     void forgetUnused();
+    /// Forgets what was made from other fields than these, which it would hold in memory.
+    void keepOnly(const std::set<FieldPointer>& sources);
 
   private:
     struct Made {
+        bool isOf(const std::set<FieldPointer>& sources) const;
+
         BetweenMoment moment;
         FieldPointer first, second, field;
         bool used = true;

@@ -415,6 +415,13 @@ void FieldStore::dropSources(Fields& all) {
         fields.sources.clear();
     }
     std::erase_if(m_fields, [&](const auto& entry) { return dropped.contains(entry.second); });
+    m_between.keepOnly(loadedFields());
+}
+
+std::set<FieldPointer> FieldStore::loadedFields() const {
+    std::set<FieldPointer> all;
+    for (const auto& [key, field] : m_fields) all.insert(field);
+    return all;
 }
 
 Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf) {
@@ -426,6 +433,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
     for (const auto& [origin, all] : uses)
         for (const Use& use : all) used.insert({origin, use.request});
     std::erase_if(m_fields, [&](const auto& entry) { return !used.contains(entry.first); });
+    m_between.keepOnly(loadedFields());
     dropKnown(uses);
     for (const auto& [origin, missing] : uses) {
         if (origin[0] == kFile)

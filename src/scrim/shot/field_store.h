@@ -17,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -90,6 +91,7 @@ class FieldStore {
     VolumeFields fieldsOf(const SceneVolume& volume, const VolumeFile& file, double fps, bool blurred);
     void checkRoom(const Scene& scene, const std::vector<VolumeFile>& files) const;
     void dropSources(Fields& all);
+    std::set<FieldPointer> loadedFields() const;
     std::vector<SparseField> fieldsOf(const std::string& path, const std::vector<GridRequest>& requests,
                                       const GridEdit* edit);
     std::optional<std::vector<SparseField>> readBefore(const std::string& path,

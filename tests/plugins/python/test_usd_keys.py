@@ -188,6 +188,21 @@ def test_keys_of_the_grids_change_the_picture(fog):
     assert depth(fog.open()) == pytest.approx(2 * TAU, rel=0.01)
 
 
+def test_a_sequence_shows_what_is_between_its_files(fog):
+    """Files of density 1 and 3; frame 2 of the stage lies between them."""
+    for number, value in ((1, 1), (2, 3)):
+        write_fog(fog.folder, f"fog.000{number}.vdb", value=value)
+    fog.stage.SetStartTimeCode(1)
+    fog.stage.SetEndTimeCode(3)
+    prim = fog.stage.GetPrimAtPath("/fog")
+    prim.CreateAttribute("scrim:file", T.String).Set("fog.####.vdb")
+    prim.CreateAttribute("scrim:frame:speed", T.Float).Set(0.5)
+    prim.CreateAttribute("scrim:frame:offset", T.Float).Set(0.5)
+    prim.CreateAttribute("scrim:frame:between", T.Token).Set("blend")
+    shot = fog.open()
+    assert [depth(shot, frame) / TAU for frame in shot.frames] == pytest.approx([1, 2, 3], rel=0.01)
+
+
 def test_a_volume_without_fields_may_be_a_source(fog):
     fog.stage.RemovePrim("/fog")
     volume = fog.volume("/made", [], [])

@@ -315,6 +315,24 @@ TEST_F(Between, FilesOfBothSidesStayAsFarAsTheMemoryLimitAllows) {
                            kept[0].density->block(0)));
 }
 
+TEST_F(Between, FilesThatAreDroppedAreHeldByNothing) {
+    writeSmoke(2, turning, turn);
+    OpenOptions options;
+    options.checkedFrame = 2;
+    const Scene scene = Shot::open(file("shot.toml"), {between("advect"), kCarried}, options).opened();
+    LoadOptions load;
+    load.volumes = VolumeLoading::plain;
+    FieldStore store(load);
+    Fields fields = store.fieldsOf(scene, store.filesOf(scene));
+    const std::vector<std::weak_ptr<const SparseField>> sources(fields[0].sources.begin(), fields[0].sources.end());
+    load.memory = 2 * scrim::bytesOf(fields) - 1;
+    fields.clear();
+    store.listen(load, {}, {});
+    fields = store.fieldsOf(scene, store.filesOf(scene));
+    ASSERT_EQ(sources.size(), 14u);
+    for (const auto& source : sources) EXPECT_TRUE(source.expired());
+}
+
 // What is written at a frame must not be either of the files that are read there.
 TEST_F(Between, FilesOfBothSidesAreNotWrittenOver) {
     writeSmoke(2, turning, turn);
