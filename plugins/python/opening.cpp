@@ -2,6 +2,8 @@
 // Makes shots from files, text and dicts.
 #include "bindings.h"
 
+#include <scrim/scene/scene_help.h>
+
 #include <tuple>
 
 #include <nanobind/stl/optional.h>
@@ -50,6 +52,9 @@ std::vector<std::string> assignmentsOf(nb::handle overrides) {
 }
 
 void bindOpening(nb::module_& module) {
+    module.def(
+        "scene_schema", [] { return fromJson(sceneSchema()); }, nb::sig("def scene_schema() -> dict[str, typing.Any]"),
+        "The table of all keys as a JSON schema: `scrim help --schema`.");
     module.def(
         "open",
         [](nb::handle path, nb::handle overrides, nb::handle ocio,

@@ -29,8 +29,17 @@ namespace scrim::cli {
 namespace {
 
 constexpr const char* kHowToInstall =
-    "stages are read by Scrim's Python package and usd-core (pip install usd-core); $SCRIM_PYTHON names the Python "
-    "that has both";
+    "stages are read by Scrim's Python package, with OpenUSD (pip install '.[usd]' in the folder of Scrim's sources); "
+    "$SCRIM_PYTHON names the Python that has both";
+
+/// Starts the reader, or says in one line why this Python cannot.
+constexpr const char* kStart = R"(try:
+    from scrim.usd.__main__ import main
+except ImportError as missing:
+    print("error", "input", f"{sys.executable}: {missing}; {sys.argv[1]}", sep="\t")
+    sys.exit(1)
+del sys.argv[1]
+sys.exit(main()))";
 
 /// A file of the folder that lists the frames: as an argument, a list of some 20,000 would be longer than the system
 /// allows. "": there are none.
@@ -42,7 +51,8 @@ std::string framesFile(const std::string& folder, const std::vector<int>& frames
 }
 
 std::vector<std::string> argumentsFor(const std::string& path, const std::string& folder, const SceneOptions& options) {
-    std::vector<std::string> words = pythonCommand("from scrim.usd.__main__ import main\nsys.exit(main())");
+    std::vector<std::string> words = pythonCommand(kStart);
+    words.emplace_back(kHowToInstall);
     const auto add = [&words](const char* name, const std::string& value) {
         // Option and value form one word, so that no value is taken for an option.
         if (!value.empty()) words.push_back(fmt::format("--{}={}", name, value));

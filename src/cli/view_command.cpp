@@ -18,8 +18,8 @@ namespace scrim::cli {
 namespace {
 
 constexpr const char* kHowToInstall =
-    "the viewer is in Scrim's Python package and needs tornado and tomlkit (pip install tornado tomlkit); "
-    "$SCRIM_PYTHON names the Python that has all three";
+    "the viewer is in Scrim's Python package and needs tornado and tomlkit (pip install '.[view]' in the folder of "
+    "Scrim's sources); $SCRIM_PYTHON names the Python that has all three";
 
 /// Starts the viewer, or says in one line why this Python cannot.
 constexpr const char* kStart = R"(try:

@@ -37,6 +37,7 @@ class ScrimSettings(bpy.types.PropertyGroup):
         name="Scattering",
         description="How often light scatters",
         items=[
+            ("AUTO", "As Needed", "Full for materials that scatter 60 % or more of what they take, else once"),
             ("SINGLE", "Once", "As Cycles with 0 volume bounces"),
             ("OCTAVES", "Octaves", "Once, with the look of more"),
             ("FULL", "Full", "As often as it does: clouds, and smoke that fire lights"),

@@ -7,7 +7,7 @@ import shutil
 import numpy as np
 
 from . import exr, formulae, meshes, motion, nodes
-from .scrim_kit import Failure, frames, light_laws, photometry, ply
+from .scrim_kit import Failure, frames, light_laws, media, photometry, ply
 from .scrim_kit.names import Names
 
 FRAME = 1  # of the scene, in place of Blender's frame: keys are about it
@@ -125,7 +125,7 @@ class Exporter:
         matrix = self.moves.matrix(key)
         in_object = data.render.space == "OBJECT"
         density, keys = medium.keys(formulae.object_density(matrix) if in_object else 1.0)
-        keys["scattering"] = self.settings.scattering.lower()
+        keys["scattering"] = self.scattering(keys["albedo"], name)
         out = {"name": self.names.of(thing.name), "file": frames.pattern_of(self.volume_file(thing))}
         out.update(transform=self.moves.transform(key, self.warn, name), density=density, medium=keys)
         if medium.ax:
@@ -137,6 +137,19 @@ class Exporter:
         if not thing.visible_shadow:
             self.warn(f"{name}: casts a shadow, though it should not")
         return [out]
+
+    def scattering(self, albedo, name):
+        chosen = self.settings.scattering.lower()
+        if chosen != "auto":
+            return chosen
+        most = albedo["scale"] if isinstance(albedo, dict) else max(albedo)
+        chosen = media.scattering_of([most])
+        if chosen == "full":
+            self.warn(
+                f"{name}: its material scatters {min(most, 1.0):.0%} of what it takes from light, so Scattering is "
+                "Full; Once is as Cycles with 0 volume bounces, and faster"
+            )
+        return chosen
 
     def velocity(self, data, grids, name):
         triple = [data.velocity_x_grid, data.velocity_y_grid, data.velocity_z_grid]

@@ -8,6 +8,7 @@ add-ons may not change where Python looks for packages; so modules of the kit im
     frames      ranges of frames, and file names with the frame in them
     program     the program `scrim` as a child process
     light_laws  lights of other programs in Scrim's units
+    media       media of other programs in keys of a scene
     names       names for volumes, lights and meshes of a scene
     ply         meshes as files that a scene names
 """

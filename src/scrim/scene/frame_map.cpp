@@ -5,16 +5,38 @@
 
 namespace scrim {
 
+namespace {
+
+constexpr double kExact = 1e-6;  // of a file: numbers as near as this to a whole one are that file
+
+}  // namespace
+
+double FrameMap::numberAt(double frame) const {
+    return (keys.keys.empty() ? frame * speed : keys.at(frame)) + offset;
+}
+
 double FrameMap::fileAt(double frame) const {
-    return std::round((keys.keys.empty() ? frame * speed : keys.at(frame)) + offset);
+    const double number = numberAt(frame), nearest = std::round(number);
+    const bool exact = between == BetweenFiles::nearest || std::abs(number - nearest) < kExact;
+    return exact ? nearest : std::floor(number);
+}
+
+double FrameMap::beyondAt(double frame) const {
+    const double number = numberAt(frame), file = fileAt(frame);
+    return between == BetweenFiles::nearest || std::abs(number - file) < kExact ? 0 : number - file;
+}
+
+double FrameMap::filesPerFrame(double frame) const {
+    return between == BetweenFiles::nearest ? 1 : numberAt(frame + 0.5) - numberAt(frame - 0.5);
 }
 
 std::optional<int> FrameMap::frameOf(int file) const {
     const auto shows = [&](double frame) { return fileAt(frame) == file; };
     if (keys.keys.empty()) {
         // Several frames may show the file; the one at which its number is most nearly exact is among them.
-        const double frame = speed == 0 ? 0 : std::round((file - offset) / speed);
-        if (std::abs(frame) < 1e9 && shows(frame)) return static_cast<int>(frame);
+        const double exact = speed == 0 ? 0 : (file - offset) / speed;
+        for (const double frame : {std::round(exact), std::floor(exact), std::ceil(exact)})
+            if (std::abs(frame) < 1e9 && shows(frame)) return static_cast<int>(frame);
         return std::nullopt;
     }
     for (std::size_t i = 0; i < keys.keys.size(); ++i) {
@@ -22,8 +44,8 @@ std::optional<int> FrameMap::frameOf(int file) const {
         const auto& [next, nextValue] = keys.keys[std::min(i + 1, keys.keys.size() - 1)];
         const double slope = next == frame ? 0 : (nextValue - value) / (next - frame);
         for (const double at : {frame, slope == 0 ? frame : frame + (file - offset - value) / slope, next}) {
-            const double whole = std::round(at);
-            if (whole >= frame - 1 && whole <= next + 1 && shows(whole)) return static_cast<int>(whole);
+            for (const double whole : {std::round(at), std::floor(at), std::ceil(at)})
+                if (whole >= frame - 1 && whole <= next + 1 && shows(whole)) return static_cast<int>(whole);
         }
     }
     return std::nullopt;

@@ -75,8 +75,8 @@ std::vector<AxVariable> readVariables(TomlTable& table, const ReadContext& conte
                 variables.push_back({value.name(), readVariable(value, context.wholeFrame)});
                 if (!variables.back().isFinite()) value.failExpecting("numbers that fit into floats");
             } else if (volume.source.empty()) {
-                value.fail(
-                    fmt::format("the expression does not use '${0}'; expected it there, or no '{0}'", value.name()));
+                context.warnings->push_back(fmt::format("{}: the expression does not use '${}', which changes nothing",
+                                                        value.where(), value.name()));
             }
         }
     }

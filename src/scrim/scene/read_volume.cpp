@@ -48,11 +48,13 @@ void readFrame(TomlTable table, const ReadContext& context, SceneVolume& volume)
         map.keys.keys = readRamp<double>(
             *keys, "[frame, file number]", [](const TomlValue& y) { return y.number(); }, 1);
     }
-    const double number = map.fileAt(context.wholeFrame);
+    const double frame = context.wholeFrame, number = map.fileAt(frame);
     if (!(std::abs(number) <= 2.0 * kLastFrame))
         table.fail(fmt::format("{} is file {:g} at frame {}; expected one of at most {}", table.description(), number,
                                context.wholeFrame, 2 * kLastFrame));
     volume.frame = static_cast<int>(number);
+    volume.beyond = map.beyondAt(frame);
+    volume.filesPerFrame = map.filesPerFrame(frame);
     table.finish();
 }
 
@@ -155,6 +157,11 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
         volume.displacement = readNoise(*displacement, table.description(), context);
     if (const auto velocity = table.find(k.velocity))
         volume.velocity = readVelocity(of(*velocity, fmt::format("{}", k.velocity)), context);
+    if (volume.frameMap.between == BetweenFiles::advect && !volume.velocity)
+        table.require(k.frame).fail(
+            fmt::format("{} carries grids by their velocity, and {} has no {}; expected one "
+                        "beside it",
+                        keysOf<FrameKeys>().between, description, k.velocity));
     volume.edit = readEdit(table, context, volume);
     if (const auto lights = table.find(k.lights)) volume.lights = readLightNames(*lights, context);
     if (const auto shadows = table.find(k.shadows)) {

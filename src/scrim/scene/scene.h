@@ -54,14 +54,29 @@ enum class OutsidePolicy {
     pingPong,  ///< the sequence backwards, then forwards, and so on; its ends are shown once
 };
 
+/// What a volume shows where its number lies between those of two files.
+enum class BetweenFiles {
+    nearest,  ///< the file whose number is nearest
+    blend,    ///< a mixture of both
+    advect,   ///< the same, after each was carried there by its velocity
+};
+
 /// Maps a frame to the file of its sequence that a volume shows.
 struct FrameMap {
     double speed = 1, offset = 0;
     Keyed<double> keys = {};  ///< maps frame to file number, in place of `speed`; empty: `speed` counts
+    BetweenFiles between = BetweenFiles::nearest;
 
-    /// The number of the file that is shown at `frame`: (keys or frame * speed) + offset, rounded to the nearest whole
-    /// number.
+    /// (keys or frame * speed) + offset.
+    double numberAt(double frame) const;
+    /// The number of the file that is shown at `frame`: numberAt rounded to the nearest whole number, or, where files
+    /// are mixed, the first of both.
     double fileAt(double frame) const;
+    /// Where files are mixed: how far the frame is from that file on the way to the next one, 0 to less than 1.
+    /// Otherwise 0.
+    double beyondAt(double frame) const;
+    /// How many files go by in a frame, where files are mixed; otherwise 1.
+    double filesPerFrame(double frame) const;
     /// A frame that shows file number `file`; none where no frame does.
     std::optional<int> frameOf(int file) const;
 };
@@ -139,7 +154,7 @@ struct Velocity {
     bool perSecond = true;
     std::string where;  ///< where the scene names the grid
 
-    /// The factor that converts grid values to world units of the asset per frame.
+    /// The factor that converts grid values to world units of the asset from one file to the next.
     double perFrame(double fps) const { return perSecond ? scale / fps : scale; }
 };
 
@@ -177,8 +192,10 @@ struct SceneVolume {
     std::string file;    ///< file volumes: the path at this frame; empty for a source
     /// Volumes with `grids`: the patterns of all files, of which `sequence` is the first (GridEdit::files); else empty.
     std::vector<FramePath> sequences = {};
-    int frame = 0;           ///< the file number that was put into `file`
-    FrameMap frameMap = {};  ///< how `frame` follows from the scene's frame
+    int frame = 0;             ///< the file number that was put into `file`
+    double beyond = 0;         ///< how far it shows what is between that file and the next one, 0 to less than 1
+    double filesPerFrame = 1;  ///< see FrameMap; velocities are those from file to file
+    FrameMap frameMap = {};    ///< how these follow from the scene's frame
     OutsidePolicy outside = OutsidePolicy::error;
     std::string source;  ///< name of a volume source; empty for a file
     /// Parameters of the source, as text; `file` is expanded as above.
@@ -209,6 +226,8 @@ struct SceneVolume {
     bool scattersFully() const {
         return (classified ? classified->scatters : medium.scattering == Scattering::full) && !holdout;
     }
+    /// The factor that converts values of the velocity's grids to world units of the asset per frame of the scene.
+    double pathPerFrame(double fps) const { return velocity ? velocity->perFrame(fps) * filesPerFrame : 0; }
 };
 
 /// A solid made of triangles.

@@ -28,6 +28,8 @@ void addVolume(const SceneVolume& volume, std::vector<SceneFile>& files) {
     if (volume.file.empty()) return;  // the volume is made in code
     if (volume.sequences.empty()) files.push_back({volume.file, role});
     for (std::size_t i = 0; i < volume.sequences.size(); ++i) files.push_back({volume.edit->files[i], role});
+    if (volume.beyond > 0)
+        for (const FramePath& sequence : sequencesOf(volume)) files.push_back({sequence.at(volume.frame + 1), role});
 }
 
 }  // namespace

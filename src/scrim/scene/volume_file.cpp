@@ -20,40 +20,40 @@ int frameWithin(int frame, int first, int last, OutsidePolicy outside) {
     return static_cast<int>(first + (at <= steps ? at : period - at));
 }
 
-/// Looks for one file, which `sequence` names at the volume's frame.
-VolumeFile findFile(const SceneVolume& volume, const FramePath& sequence, const std::string& file) {
+/// Looks for one file, the one number `frame` of a sequence.
+VolumeFile findFile(const SceneVolume& volume, const FramePath& sequence, int frame, const std::string& file) {
     VolumeFile found{FileState::present, file, {}};
     std::error_code ignored;
     if (std::filesystem::exists(file, ignored)) return found;
 
     const std::vector<int> frames = existingFrames(sequence);
-    const bool outside = frames.empty() || volume.frame < frames.front() || volume.frame > frames.back();
+    const bool outside = frames.empty() || frame < frames.front() || frame > frames.back();
     if (outside && volume.outside == OutsidePolicy::black) {
         found.state = FileState::black;
     } else if (outside && volume.outside == OutsidePolicy::hold && !frames.empty()) {
-        found.path = sequence.at(volume.frame < frames.front() ? frames.front() : frames.back());
+        found.path = sequence.at(frame < frames.front() ? frames.front() : frames.back());
     } else if (outside && !frames.empty() &&
                (volume.outside == OutsidePolicy::repeat || volume.outside == OutsidePolicy::pingPong)) {
-        SceneVolume within = volume;
-        within.frame = frameWithin(volume.frame, frames.front(), frames.back(), volume.outside);
-        return findFile(within, sequence, sequence.at(within.frame));
+        const int within = frameWithin(frame, frames.front(), frames.back(), volume.outside);
+        return findFile(volume, sequence, within, sequence.at(within));
     } else {
         found.state = FileState::missing;
         found.problem = fmt::format("{}: volume '{}': there is no file '{}'", volume.where, volume.name, file);
         if (!frames.empty())
-            found.problem += fmt::format(" for frame {}; the sequence has frames {} to {}", volume.frame,
-                                         frames.front(), frames.back());
+            found.problem +=
+                fmt::format(" for frame {}; the sequence has frames {} to {}", frame, frames.front(), frames.back());
     }
     return found;
 }
 
-}  // namespace
-
-VolumeFile findVolumeFile(const SceneVolume& volume) {
-    if (volume.sequences.empty()) return findFile(volume, volume.sequence, volume.file);
+/// Looks for the files number `frame` of a volume.
+VolumeFile findFiles(const SceneVolume& volume, int frame) {
+    if (volume.sequences.empty())
+        return findFile(volume, volume.sequence, frame,
+                        frame == volume.frame ? volume.file : volume.sequence.at(frame));
     VolumeFile found{FileState::present, {}, {}};
     for (const FramePath& sequence : volume.sequences) {
-        const VolumeFile one = findFile(volume, sequence, sequence.at(volume.frame));
+        const VolumeFile one = findFile(volume, sequence, frame, sequence.at(frame));
         found.all.push_back(one.path);
         if (found.state != FileState::missing && one.state != FileState::present) {
             found.state = one.state;
@@ -61,6 +61,19 @@ VolumeFile findVolumeFile(const SceneVolume& volume) {
         }
     }
     found.path = found.all.front();
+    return found;
+}
+
+}  // namespace
+
+VolumeFile findVolumeFile(const SceneVolume& volume) {
+    VolumeFile found = findFiles(volume, volume.frame);
+    if (volume.beyond == 0 || found.state == FileState::missing) return found;
+    VolumeFile next = findFiles(volume, volume.frame + 1);
+    if (next.state == FileState::missing) return next;
+    if (next.state == FileState::black) found.state = next.state;
+    if (found.state == FileState::present && (next.path != found.path || next.all != found.all))
+        found.next = std::make_shared<const VolumeFile>(std::move(next));
     return found;
 }
 

@@ -4,6 +4,7 @@
 
 #include <scrim/scene/scene.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,11 +21,15 @@ struct VolumeFile {
     std::string path;
     std::string problem;
     std::vector<std::string> all = {};  ///< volumes with `grids`: the files to read, of which `path` is the first
+    /// Where the volume shows what is between two files (SceneVolume::beyond): the second one. Null where it is the
+    /// same file, which is held.
+    std::shared_ptr<const VolumeFile> next = nullptr;
 };
 
 /// For a volume with a file. The policies other than `error` count before the first and after the last file of a
 /// sequence; a gap inside the sequence is a lost file, and missing under any policy. Each file of a volume with `grids`
-/// is looked for like that: the volume is missing where one of them is, and black where one of them is.
+/// is looked for like that: the volume is missing where one of them is, and black where one of them is. So is each of
+/// the two files between which the volume lies.
 VolumeFile findVolumeFile(const SceneVolume& volume);
 
 /// The patterns of all files that the volume shows at some frame; none for a source.

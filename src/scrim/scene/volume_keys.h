@@ -36,16 +36,20 @@ struct FrameKeys : SectionOf<SceneVolume> {
     FrameKeys()
         : SectionOf("frame", "frame = { ... } of a [[volume]] with a file",
                     "The file of the sequence that a volume shows: number = (the value of 'keys', or else frame * "
-                    "'speed') + 'offset', rounded to the nearest whole number.") {
+                    "'speed') + 'offset', rounded to the nearest whole number unless 'between' says otherwise.") {
         exclude({&keys}, {&speed});
     }
     const Key& offset = number("offset", Range::fromTo(-kLastFrame, kLastFrame, "frames"),
                                within(&SceneVolume::frameMap, &FrameMap::offset), "Offset of the number.");
     const Key& speed = number("speed", Range::fromTo(-1e6, 1e6), within(&SceneVolume::frameMap, &FrameMap::speed),
-                              "Files per frame; 0.5 shows each file twice.");
+                              "Files per frame; 0.5 shows each file twice, or what is between them.");
     const Key& keys =
         other("keys", "a list of [frame, file number]", kPoints, Range::fromTo(-kLastFrame, kLastFrame, "frames"),
               "Retimes freely, in place of 'speed': linear between keys, constant outside of them.");
+    const Key& between =
+        choice("between", {"nearest", "blend", "advect"}, within(&SceneVolume::frameMap, &FrameMap::between),
+               "What a number between two files shows: the nearest of them; a mixture of both; or a mixture after each "
+               "was carried there by its 'velocity'.");
     const Key& outside =
         choice("outside", {"error", "hold", "black", "repeat", "ping-pong"}, &SceneVolume::outside,
                "What happens before the first and after the last file: an error, that file is shown, no volume, the "

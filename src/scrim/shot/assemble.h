@@ -24,6 +24,8 @@ struct VolumeFields {
     /// negative velocities (GridPart). Otherwise empty.
     std::vector<std::shared_ptr<const SparseField>> velocity = {};
     double time = 0;  ///< displacement = time * velocity
+    /// Where the volume lies between two files: the fields of both that the others were made from, if they are kept.
+    std::vector<std::shared_ptr<const SparseField>> sources = {};
     /// Why the picture has no use for the volume, which then may not be loaded; empty: it is used.
     std::string culled = {};
 };

@@ -79,6 +79,11 @@ std::shared_ptr<const GridEdit> editOf(const SceneVolume& volume, const VolumeFi
     return std::make_shared<const GridEdit>(std::move(edit));
 }
 
+/// True if grids of the volume are carried by their velocity from one file to another.
+bool isCarried(const SceneVolume& volume, const VolumeFile& file) {
+    return file.next && volume.frameMap.between == BetweenFiles::advect && volume.velocity;
+}
+
 /// Runs `task`. An error about the grid of one of `uses` gets the place where the scene names it.
 template <typename Use, typename Task>
 void withPlaces(const std::vector<Use>& uses, const Task& task) {
@@ -250,7 +255,8 @@ std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vec
     if (isBlurred(scene)) return std::vector<std::string>(scene.volumes.size());
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
-        if (!isFile(volume) || volume.edit || volume.displacement) continue;  // either may change bounds
+        // Each of these may change bounds.
+        if (!isFile(volume) || volume.edit || volume.displacement || files[i].next) continue;
         if (files[i].state != FileState::present) {
             corners[i].emplace();
             continue;
@@ -281,9 +287,12 @@ FieldStore::Uses FieldStore::usesOf(const Scene& scene, const std::vector<Volume
     const bool blurred = isBlurred(scene) || wantsMotion(scene);
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         if (!shown[i]) continue;
-        const Origin origin = originOf(scene.volumes[i], files[i]);
-        for (Use& use : usesOf(scene.volumes[i], files[i], blurred))
-            if (used.insert({origin, use.request}).second) uses[origin].push_back(std::move(use));
+        const SceneVolume& volume = scene.volumes[i];
+        for (const VolumeFile* file = &files[i]; file != nullptr; file = file->next.get()) {
+            const Origin origin = originOf(volume, *file);
+            for (Use& use : usesOf(volume, *file, blurred || isCarried(volume, files[i])))
+                if (used.insert({origin, use.request}).second) uses[origin].push_back(std::move(use));
+        }
     }
     return uses;
 }
@@ -323,6 +332,98 @@ std::size_t FieldStore::memoryAhead() const {
                            [](std::size_t sum, const GuardedFields& fields) { return sum + 2 * fields.memory(); });
 }
 
+class FieldStore::GridsOf {
+  public:
+    GridsOf(FieldStore& store, const SceneVolume& volume, const VolumeFile& file, double fps)
+        : m_store(store), m_volume(volume), m_origin(store.originOf(volume, file)) {
+        if (!file.next) return;
+        m_next = store.originOf(volume, *file.next);
+        BetweenMoment moment;
+        moment.part = volume.beyond;
+        if (isCarried(volume, file)) {
+            moment.time = volume.velocity->perFrame(fps);
+            for (int axis = 0; axis < 3; ++axis)
+                for (const GridRequest& request : velocityRequests(*volume.velocity, axis)) {
+                    moment.velocity[0].push_back(loaded(m_origin, request));
+                    moment.velocity[1].push_back(loaded(m_next, request));
+                }
+        }
+        m_between.emplace(std::move(moment));
+    }
+
+    FieldPointer at(const GridRequest& request) {
+        const FieldPointer first = loaded(m_origin, request);
+        return m_between ? m_store.m_between.at(*m_between, first, loaded(m_next, request)) : first;
+    }
+    FieldPointer displacedAt(const GridRequest& request) { return m_store.m_shader.displaced(m_volume, at(request)); }
+    /// The fields that were loaded, where others are made from them.
+    std::vector<FieldPointer> sources() const {
+        return m_between ? std::vector<FieldPointer>(m_loaded.begin(), m_loaded.end()) : std::vector<FieldPointer>();
+    }
+
+  private:
+    const FieldPointer& loaded(const Origin& origin, const GridRequest& request) {
+        return *m_loaded.insert(m_store.m_fields.at({origin, request})).first;
+    }
+
+    FieldStore& m_store;
+    const SceneVolume& m_volume;
+    Origin m_origin, m_next;
+    std::set<FieldPointer> m_loaded;
+    std::optional<BetweenFields> m_between;
+};
+
+VolumeFields FieldStore::fieldsOf(const SceneVolume& volume, const VolumeFile& file, double fps, bool blurred) {
+    VolumeFields fields;
+    GridsOf grids(*this, volume, file, fps);
+    if (usesDensity(volume)) {
+        const auto& mask = volume.shading.mask;
+        fields.density = m_shader.density(volume, grids.displacedAt({volume.densityGrid}),
+                                          mask ? grids.displacedAt({mask->grid}) : nullptr);
+        for (int c = 0; volume.albedoGrid && c < 3; ++c) fields.albedo[c] = grids.displacedAt(albedoRequest(volume, c));
+    }
+    for (const Emission& emission : volume.emission) {
+        fields.emission.push_back(grids.displacedAt({emission.grid}));
+        fields.emissionMasks.push_back(emission.mask ? grids.displacedAt({emission.mask->grid}) : nullptr);
+    }
+    for (int axis = 0; blurred && volume.velocity && axis < 3; ++axis)
+        for (const GridRequest& request : velocityRequests(*volume.velocity, axis))
+            fields.velocity.push_back(grids.at(request));
+    fields.sources = grids.sources();
+    return fields;
+}
+
+/// Throws where files on both sides of a moment, which are in memory at once, take more than the memory limit.
+void FieldStore::checkRoom(const Scene& scene, const std::vector<VolumeFile>& files) const {
+    std::size_t bytes = 0;
+    for (const auto& [key, field] : m_fields) bytes += field->bytes();
+    const auto between = [](const VolumeFile& file) { return file.next != nullptr; };
+    if (m_options.memory == 0 || bytes <= m_options.memory || std::none_of(files.begin(), files.end(), between)) return;
+    throw Error(
+        ErrorKind::memory,
+        fmt::format("the files on both sides of frame {:g} take {}, more than the memory limit of {} (--memory)",
+                    scene.frame, bytesText(bytes), bytesText(m_options.memory)));
+}
+
+/// The files on both sides of a moment stay for the next frame, which mostly lies between them, too. Where all of that
+/// takes more than half of the memory limit, they are read once more instead.
+void FieldStore::dropSources(Fields& all) {
+    if (m_options.memory == 0 || 2 * bytesOf(all) <= m_options.memory) return;
+    std::set<FieldPointer> dropped;
+    for (VolumeFields& fields : all) {
+        dropped.insert(fields.sources.begin(), fields.sources.end());
+        fields.sources.clear();
+    }
+    std::erase_if(m_fields, [&](const auto& entry) { return dropped.contains(entry.second); });
+    m_between.keepOnly(loadedFields());
+}
+
+std::set<FieldPointer> FieldStore::loadedFields() const {
+    std::set<FieldPointer> all;
+    for (const auto& [key, field] : m_fields) all.insert(field);
+    return all;
+}
+
 Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf) {
     const std::vector<std::string> culled = culledOf(scene, files);
     const std::vector<bool> shown = shownOf(scene, files, culled, volumesOf);
@@ -332,6 +433,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
     for (const auto& [origin, all] : uses)
         for (const Use& use : all) used.insert({origin, use.request});
     std::erase_if(m_fields, [&](const auto& entry) { return !used.contains(entry.first); });
+    m_between.keepOnly(loadedFields());
     dropKnown(uses);
     for (const auto& [origin, missing] : uses) {
         if (origin[0] == kFile)
@@ -340,35 +442,20 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
             make(origin, missing);
     }
     m_ahead.clear();
+    checkRoom(scene, files);
 
     Fields all;
     const bool blurred = isBlurred(scene) || wantsMotion(scene);
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
         VolumeFields& fields = all.emplace_back();
+        if (shown[i]) fields = fieldsOf(volume, files[i], scene.output.fps, blurred);
         fields.emission.resize(volume.emission.size());
         if (isFile(volume) && files[i].state == FileState::present) fields.culled = culled[i];
-        if (!shown[i]) continue;
-        const Origin origin = originOf(volume, files[i]);
-        const auto fieldOf = [&](const GridRequest& request) {
-            return m_shader.displaced(volume, m_fields.at({origin, request}));
-        };
-        if (usesDensity(volume)) {
-            const auto& mask = volume.shading.mask;
-            fields.density =
-                m_shader.density(volume, fieldOf({volume.densityGrid}), mask ? fieldOf({mask->grid}) : nullptr);
-            for (int c = 0; volume.albedoGrid && c < 3; ++c) fields.albedo[c] = fieldOf(albedoRequest(volume, c));
-        }
-        for (std::size_t k = 0; k < volume.emission.size(); ++k) {
-            fields.emission[k] = fieldOf({volume.emission[k].grid});
-            const auto& mask = volume.emission[k].mask;
-            fields.emissionMasks.push_back(mask ? fieldOf({mask->grid}) : nullptr);
-        }
-        for (int axis = 0; blurred && volume.velocity && axis < 3; ++axis)
-            for (const GridRequest& request : velocityRequests(*volume.velocity, axis))
-                fields.velocity.push_back(m_fields.at({origin, request}));
     }
     m_shader.forgetUnused();
+    m_between.forgetUnused();
+    dropSources(all);
     return all;
 }
 
@@ -401,6 +488,7 @@ std::size_t bytesOf(const Fields& fields) {
         all.insert(of.emission.begin(), of.emission.end());
         all.insert(of.emissionMasks.begin(), of.emissionMasks.end());
         all.insert(of.velocity.begin(), of.velocity.end());
+        all.insert(of.sources.begin(), of.sources.end());
     }
     for (const auto& field : all)
         if (field) bytes += field->bytes();

@@ -4,6 +4,7 @@
 
 #include <scrim/base/messages.h>
 #include <scrim/shot/assemble.h>
+#include <scrim/shot/between_files.h>
 #include <scrim/scene/scene.h>
 #include <scrim/scene/volume_file.h>
 #include <scrim/volume/grid_request.h>
@@ -16,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -77,6 +79,8 @@ class FieldStore {
     bool isFile(const SceneVolume& volume) const;
     Origin originOf(const SceneVolume& volume, const VolumeFile& file) const;
     static std::vector<Use> usesOf(const SceneVolume& volume, const VolumeFile& file, bool blurred);
+    /// The grids of one volume, at its moment between two files where it lies between them.
+    class GridsOf;
     std::vector<std::string> culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const;
     /// The requests for each origin, which are read in one go; each request once.
     using Uses = std::map<Origin, std::vector<Use>>;
@@ -84,6 +88,10 @@ class FieldStore {
     std::vector<bool> shownOf(const Scene& scene, const std::vector<VolumeFile>& files,
                               const std::vector<std::string>& culled, VolumesOf volumesOf) const;
     void dropKnown(Uses& uses) const;
+    VolumeFields fieldsOf(const SceneVolume& volume, const VolumeFile& file, double fps, bool blurred);
+    void checkRoom(const Scene& scene, const std::vector<VolumeFile>& files) const;
+    void dropSources(Fields& all);
+    std::set<FieldPointer> loadedFields() const;
     std::vector<SparseField> fieldsOf(const std::string& path, const std::vector<GridRequest>& requests,
                                       const GridEdit* edit);
     std::optional<std::vector<SparseField>> readBefore(const std::string& path,
@@ -98,6 +106,7 @@ class FieldStore {
     Checkpoint m_checkpoint;
     std::map<std::string, Grids> m_grids;  ///< grids that were set, by volume
     std::map<Key, std::shared_ptr<const SparseField>> m_fields;
+    BetweenStore m_between;
     FieldShader m_shader;
     std::vector<GuardedFields> m_ahead;  ///< fields that children are reading
 };

@@ -163,7 +163,7 @@ Scene LoadedShot::nextAt(double t) const {
 Fields LoadedShot::fieldsAt(double t) const {
     Fields out = fields;
     for (std::size_t i = 0; i < out.size(); ++i)
-        if (const auto& velocity = scene.volumes[i].velocity) out[i].time = t * velocity->perFrame(scene.output.fps);
+        if (scene.volumes[i].velocity) out[i].time = t * scene.volumes[i].pathPerFrame(scene.output.fps);
     return out;
 }
 

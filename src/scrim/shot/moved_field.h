@@ -12,6 +12,8 @@
 
 namespace scrim {
 
+class VelocityParts;
+
 /// The velocity of a volume, ready to move the volume's fields to any moment. Safe to use from many threads at once.
 class FieldMover {
   public:
@@ -26,9 +28,7 @@ class FieldMover {
     FieldPointer moved(const FieldPointer& field, double time) const;
 
   private:
-    struct Parts;
-    std::vector<FieldPointer> m_velocity;
-    std::unique_ptr<const Parts> m_parts;
+    std::unique_ptr<const VelocityParts> m_parts;
     Vec3 m_mean{0};  // velocity
 };
 

@@ -353,9 +353,13 @@ std::vector<int> Shot::frames() const {
             if (const std::optional<int> frame = volume.frameMap.frameOf(file)) shown.insert(*frame);
         if (shown.empty()) continue;
         // In slow motion a file is shown for several frames.
-        for (int frame = *shown.begin(); frame <= *shown.rbegin(); ++frame)
-            if (std::binary_search(files.begin(), files.end(), static_cast<int>(volume.frameMap.fileAt(frame))))
-                frames.insert(frame);
+        const auto isThere = [&](double file) {
+            return std::binary_search(files.begin(), files.end(), static_cast<int>(file));
+        };
+        for (int frame = *shown.begin(); frame <= *shown.rbegin(); ++frame) {
+            const double file = volume.frameMap.fileAt(frame);
+            if (isThere(file) && (volume.frameMap.beyondAt(frame) == 0 || isThere(file + 1))) frames.insert(frame);
+        }
     }
     if (still) return {1};
     return {frames.begin(), frames.end()};

@@ -42,7 +42,7 @@ void addMotion(ViewScene& view, const Scene& now, const Scene& next, const Field
         auto motion = std::make_shared<VolumeMotion>();
         motion->wsNextFromWs = later.wsFromAsset * glm::inverse(own.wsFromAsset);
         if (flows) {
-            motion->wsPerVelocity = own.velocity->perFrame(now.output.fps) * Mat3(later.wsFromAsset);
+            motion->wsPerVelocity = own.pathPerFrame(now.output.fps) * Mat3(later.wsFromAsset);
             addFlow(volume, own, fields[i].velocity, *motion);
         }
         for (const ViewField& field : motion->flow) bytes += field.field->bytes();

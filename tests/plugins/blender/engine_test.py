@@ -3,6 +3,7 @@
 # without Blender.
 import json
 import os
+import subprocess
 import sys
 from types import ModuleType, SimpleNamespace
 from unittest import mock
@@ -50,6 +51,32 @@ def ran(engine, folder, program):
     )
     engine.ScrimRenderEngine.run(run, [str(path), str(stats)], str(stats))
     return shown
+
+
+def test_the_pages_recipe_for_light_linking_is_what_the_program_takes(engine, tmp_path):
+    root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..")
+    with open(os.path.join(root, "examples", "BLENDER.md"), encoding="utf-8") as file:
+        page = file.read()
+    recipe = page[page.index("**Light linking**") :].split("```\n")[1].strip()
+    settings = SimpleNamespace(tolerance=0.0, quality="DRAFT", verify=0, overrides=recipe)
+    scene = SimpleNamespace(scrim=settings, render=SimpleNamespace(threads_mode="AUTO"))
+    with mock.patch.object(engine.colour, "config_file", return_value=""):
+        arguments = engine.arguments_for(scene, str(tmp_path))
+    assert arguments[-4:] == [
+        "--set", 'volume.Smoke.lights=["Key", "Rim"]', "--set", 'volume.Smoke.shadows=["Key"]'
+    ]  # fmt: skip
+    lights = "".join(
+        f'[[light]]\nname = "{name}"\ntype = "distant"\ndirection = [0, 0, -1]\n' for name in ("Key", "Rim", "World")
+    )
+    (tmp_path / "shot.toml").write_text(
+        '[camera]\nposition = [0, 0, 3]\ntarget = [0, 0, 0]\nresolution = [8, 8]\n[[volume]]\nname = "Smoke"\n'
+        f'source = "noise"\nparameters = {{ resolution = 8 }}\n{lights}'
+    )
+    done = subprocess.run(
+        [os.environ["SCRIM"], "plan", str(tmp_path / "shot.toml"), *arguments[-4:]],
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_run_is_summed_up_by_its_statistics(engine, tmp_path):

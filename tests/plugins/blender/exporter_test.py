@@ -256,6 +256,23 @@ def test_object_space_and_scattering_and_holdout(tmp_path):
     assert got["medium"]["scattering"] == "full" and got["holdout"] is True
 
 
+def test_what_a_shot_cannot_ignore_scatters_fully_and_is_told(tmp_path):
+    fixture = Fixture(tmp_path, scattering="AUTO")
+    _, (got,) = volume(fixture)  # Blender's default, of albedo 0.5
+    assert got["medium"]["scattering"] == "single" and fixture.said == []
+    assert fixture.exporter.scattering([0.59, 0.2, 0.1], "volume 'a'") == "single" and fixture.said == []
+    assert fixture.exporter.scattering([0.1, 0.6, 0.1], "volume 'b'") == "full"
+    assert fixture.exporter.scattering({"grid": "Cd", "scale": 0.95}, "volume 'c'") == "full"
+    assert fixture.exporter.scattering({"grid": "Cd", "scale": 0.5}, "volume 'c'") == "single"
+    why = "of what it takes from light, so Scattering is Full; Once is as Cycles with 0 volume bounces, and faster"
+    assert fixture.said == [
+        f"volume 'b': its material scatters 60% {why}",
+        f"volume 'c': its material scatters 95% {why}",
+    ]
+    once = Fixture(tmp_path, scattering="SINGLE")
+    assert once.exporter.scattering([0.99] * 3, "volume 'b'") == "single" and once.said == []
+
+
 def test_what_only_memory_holds_is_written_once(world):
     data, (first,) = volume(world, modifiers=["noise"])
     assert data.grids.saved == 1 and os.path.basename(first["file"]) == "volume0.vdb"

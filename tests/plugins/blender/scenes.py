@@ -36,6 +36,7 @@ def begun(resolution):
         scene.world = bpy.data.worlds.new("World")
     sky((0, 0, 0))
     scene.render.engine = "SCRIM"
+    scene.scrim.scattering = "SINGLE"  # as Cycles with 0 volume bounces
     scene.render.resolution_x, scene.render.resolution_y = resolution
     scene.render.film_transparent = True
     scene.view_settings.view_transform = "Raw"

@@ -65,13 +65,18 @@ def bind(stage, made, context="", volume="/fog", terminal="volume"):
     return material
 
 
+FULL = 'scattering = "full" is taken'
+
+
 def volume_of(stage):
+    """The volume of the scene, and all warnings but that its light scatters more than once."""
     shot = stage.open()
-    return shot.scene(1)["volume"][0], shot.warnings
+    return shot.scene(1)["volume"][0], [warning for warning in shot.warnings if FULL not in warning]
 
 
 def middle(stage):
-    """What the picture shows in the middle of the slab: red, green, blue, alpha."""
+    """What the picture shows in the middle of the slab, where light scatters once: red, green, blue, alpha."""
+    stage.say(UsdVol.Volume.Get(stage.stage, "/fog"), "scattering", Sdf.ValueTypeNames.Token, "single")
     image = stage.open().render().image.astype(float)
     return image[6:10, 6:10].mean(axis=(0, 1))
 
@@ -244,6 +249,48 @@ def test_what_is_said_to_scrim_replaces_what_the_material_says(foggy):
     assert warnings == [] and volume["density"]["scale"] == pytest.approx(0.05)
     assert volume["medium"]["phase"] == {"type": "hg", "g": pytest.approx(-0.2)}
     assert volume["medium"]["albedo"] == pytest.approx([0.5] * 3)
+
+
+def test_what_a_shot_cannot_ignore_scatters_fully_and_is_told(foggy):
+    made = shader(foggy, "/mat/s", "arnold:standard_volume", density=0.5, scatter_color=(0.2, 0.95, 0.2))
+    bind(foggy, made, "arnold")
+    shot = foggy.open()
+    assert shot.scene(1)["volume"][0]["medium"]["scattering"] == "full"
+    assert shot.warnings == [
+        '/fog: its material scatters 95% of what it takes from light: scattering = "full" is taken, since light that '
+        "scatters once would leave dense smoke more than half a stop too dark; "
+        'scrim:scattering = "single" renders faster'
+    ]
+    made.GetInput("scatter_color").Set(Gf.Vec3f(0.9))
+    full = shot_of_middle(foggy)
+    fog = UsdVol.Volume.Get(foggy.stage, "/fog")
+    once = foggy.say(fog, "scattering", Sdf.ValueTypeNames.Token, "single")
+    assert foggy.open().scene(1)["volume"][0]["medium"]["scattering"] == "single"
+    assert full > 1.3 * shot_of_middle(foggy)
+    once.Clear()
+    foggy.say(fog, "octaves:count", Sdf.ValueTypeNames.Int, 4)
+    assert "scattering" not in foggy.open().scene(1)["volume"][0]["medium"]
+    foggy.stage.GetPrimAtPath("/fog").RemoveProperty("scrim:octaves:count")
+    # What is said to Scrim of the albedo counts, and so does a choice of shadows, which full scattering refuses.
+    foggy.say(fog, "albedo", COLOR, Gf.Vec3f(0.3))
+    assert "scattering" not in foggy.open().scene(1)["volume"][0]["medium"]
+    foggy.stage.GetPrimAtPath("/fog").RemoveProperty("scrim:albedo")
+    foggy.say(fog, "shadows", Sdf.ValueTypeNames.Bool, False)
+    assert "scattering" not in foggy.open().scene(1)["volume"][0]["medium"]
+
+
+def shot_of_middle(foggy):
+    return foggy.open({"render.quality": "draft"}).render().image[6:10, 6:10, 0].mean()
+
+
+@pytest.mark.parametrize(("colour", "scattering"), [(0.5, None), (0.59, None), (0.6, "full")])
+def test_the_rule_is_an_albedo_of_six_tenths(foggy, colour, scattering):
+    bind(foggy, shader(foggy, "/mat/s", "standard_volume", scatter_color=(colour,) * 3), "arnold")
+    assert foggy.open().scene(1)["volume"][0]["medium"].get("scattering") == scattering
+    two_fields(foggy, "Cd")
+    bind(foggy, shader(foggy, "/mat/s", "standard_volume", scatter=colour, scatter_color=(1.0, 1.0, 1.0),
+                       scatter_color_channel="Cd"), "arnold")  # fmt: skip
+    assert foggy.open().scene(1)["volume"][0]["medium"].get("scattering") == scattering
 
 
 def test_other_shaders_are_named_and_the_default_is_taken(foggy):

@@ -364,7 +364,7 @@ def test_the_program_says_what_its_viewer_lacks(tmp_path):
             capture_output=True,
             text=True,
         )
-        assert done.returncode == 3 and text in done.stderr and "pip install tornado tomlkit" in done.stderr
+        assert done.returncode == 3 and text in done.stderr and "pip install '.[view]' in the folder of Scrim's" in done.stderr
 
 
 def test_a_folder_opens_its_first_scene_and_then_the_others(tmp_path, program, python_path):

@@ -29,7 +29,7 @@ BUDGETS = {
     "scrim/engine/model": 1700, "scrim/engine/plan": 2950, "scrim/engine/shade": 1800, "scrim/engine/splat": 3250,
     "scrim/engine/cells": 1800, "scrim/engine/lamps": 600, "scrim/engine/passes": 1600, "scrim/engine/solve": 2500,
     "scrim/base": 1900, "scrim/geometry": 900, "scrim/guard": 2100, "scrim/image": 4650, "scrim/scene": 10200,
-    "scrim/shot": 6400, "scrim/solid": 700, "scrim/study": 1500, "scrim/verify": 4300, "scrim/volume": 6250,
+    "scrim/shot": 6800, "scrim/solid": 700, "scrim/study": 1500, "scrim/verify": 4300, "scrim/volume": 6250,
     "load": 1600, "cli": 4200, "modules": 900,
 }  # fmt: skip
 

@@ -210,9 +210,39 @@ TEST(SceneRetiming, CountsFilesBySpeedOffsetAndKeys) {
               "one of at most 2000000000");
 }
 
+TEST(SceneRetiming, KnowsBothFilesBetweenWhichANumberLies) {
+    const auto volumeAt = [](const std::string& frame, double at) {
+        return read(kCamera + kVolume + "frame = { " + frame + " }\n", {}, at).volumes[0];
+    };
+    const std::string half = "speed = 0.5, between = \"blend\"";
+    EXPECT_EQ(volumeAt(half, 7).frame, 3);
+    EXPECT_EQ(volumeAt(half, 7).beyond, 0.5);
+    EXPECT_EQ(volumeAt(half, 8).frame, 4);
+    EXPECT_EQ(volumeAt(half, 8).beyond, 0);
+    EXPECT_EQ(volumeAt("speed = 0.5", 7).beyond, 0);
+    EXPECT_EQ(volumeAt("speed = -0.5, offset = 9, between = \"blend\"", 3).frame, 7);
+    EXPECT_EQ(volumeAt("speed = -0.5, offset = 9, between = \"blend\"", 3).beyond, 0.5);
+    const SceneVolume below = volumeAt("speed = 0.25, offset = -2, between = \"blend\"", 3);
+    EXPECT_EQ(below.frame, -2);
+    EXPECT_EQ(below.beyond, 0.75);
+    // Of tenths, the tenth is a whole number but for rounding.
+    EXPECT_EQ(volumeAt("speed = 0.1, offset = 0.2, between = \"blend\"", 8).frame, 1);
+    EXPECT_EQ(volumeAt("speed = 0.1, offset = 0.2, between = \"blend\"", 8).beyond, 0);
+    const std::string keys = "keys = [[1, 1], [11, 6], [21, 6]], between = \"blend\"";
+    EXPECT_EQ(volumeAt(keys, 4).frame, 2);
+    EXPECT_EQ(volumeAt(keys, 4).beyond, 0.5);
+    EXPECT_NEAR(volumeAt(keys, 4).filesPerFrame, 0.5, 1e-12);
+    EXPECT_NEAR(volumeAt(keys, 15).filesPerFrame, 0, 1e-12);
+    EXPECT_EQ(volumeAt("speed = 0.5", 7).filesPerFrame, 1);
+    EXPECT_EQ(errorOf(kCamera + kVolume + "frame = { speed = 0.5, between = \"advect\" }\n"),
+              "scene.toml:6:9: 'between' carries grids by their velocity, and [[volume]] 'volume1' has no 'velocity'; "
+              "expected one beside it");
+}
+
 TEST(SceneRetiming, KnowsAFrameThatShowsAFile) {
     for (const FrameMap& map : {FrameMap{1, 10, {}}, FrameMap{0.5, 3, {}}, FrameMap{-2, 7, {}}, FrameMap{0, 4, {}},
-                                FrameMap{1, 0, {{{1, 1}, {11, 101}, {21, 60}}}}, FrameMap{1, 5, {{{1, 8}}}}})
+                                FrameMap{1, 0, {{{1, 1}, {11, 101}, {21, 60}}}}, FrameMap{1, 5, {{{1, 8}}}},
+                                FrameMap{0.3, 1, {}, BetweenFiles::blend}})
         for (int frame = -30; frame <= 30; ++frame) {
             const int file = static_cast<int>(map.fileAt(frame));
             const auto known = map.frameOf(file);
