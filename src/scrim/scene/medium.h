@@ -72,7 +72,7 @@ struct Octaves {
 enum class Scattering {
     single,   ///< single scattering
     octaves,  ///< an approximation of multiple scattering, see Octaves
-    full,     ///< multiple scattering, by the method of discrete ordinates (engine/transport)
+    full,     ///< multiple scattering, by the method of discrete ordinates (engine/solve)
 };
 
 struct Medium {

@@ -4,7 +4,7 @@
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/transport_plan.h>
-#include <scrim/engine/solve/ordinates.h>
+#include <scrim/engine/cells/ordinates.h>
 #include <scrim/engine/solve/scattered_light.h>
 #include <scrim/scene/light_at.h>
 #include <scrim/scene/optics.h>

@@ -11,7 +11,7 @@
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/solve/last_sweep.h>
 #include <scrim/engine/solve/first_light.h>
-#include <scrim/engine/solve/ordinates.h>
+#include <scrim/engine/cells/ordinates.h>
 #include <scrim/engine/solve/scattered_light.h>
 #include <scrim/verify/path_tracer.h>
 #include <scrim/verify/reference.h>

@@ -51,10 +51,10 @@ double secondDifference(ViewScene scene, int firstFrame) {
 }
 
 TEST(ScatteredLight, IsSteadyWhileTheSunTurns) {
+    // With one ray a cell: 0.018 and 0.021 from frame 0, in which rays lie along the cells.
     for (const double g : {0.0, 0.6})
         for (const int first : {0, 30}) {
             const double second = secondDifference(lumps(g), first);
-            std::printf("g %.1f from frame %d: %.5f\n", g, first, second);
             EXPECT_LT(second, 0.009) << g << ", from frame " << first;
         }
 }

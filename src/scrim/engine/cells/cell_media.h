@@ -5,7 +5,7 @@
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/cells/cell_grid.h>
-#include <scrim/engine/solve/ordinates.h>
+#include <scrim/engine/cells/ordinates.h>
 #include <scrim/scene/view_scene.h>
 
 #include <algorithm>

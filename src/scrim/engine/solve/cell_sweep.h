@@ -12,7 +12,7 @@
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/cells/cell_grid.h>
-#include <scrim/engine/solve/ordinates.h>
+#include <scrim/engine/cells/ordinates.h>
 
 #include <cstdint>
 #include <vector>

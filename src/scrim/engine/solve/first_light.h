@@ -6,7 +6,7 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/engine/cells/cell_media.h>
-#include <scrim/engine/solve/ordinates.h>
+#include <scrim/engine/cells/ordinates.h>
 #include <scrim/engine/solve/solver.h>
 #include <scrim/scene/view_scene.h>
 

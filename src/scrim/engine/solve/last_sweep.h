@@ -8,7 +8,7 @@
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/cells/cell_media.h>
-#include <scrim/engine/solve/ordinates.h>
+#include <scrim/engine/cells/ordinates.h>
 #include <scrim/engine/solve/solver.h>
 #include <scrim/geometry/camera.h>
 

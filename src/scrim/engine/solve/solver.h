@@ -17,7 +17,7 @@
 #include <scrim/base/simd.h>
 #include <scrim/engine/cells/cell_media.h>
 #include <scrim/engine/solve/cell_sweep.h>
-#include <scrim/engine/solve/ordinates.h>
+#include <scrim/engine/cells/ordinates.h>
 
 #include <algorithm>
 #include <cstddef>

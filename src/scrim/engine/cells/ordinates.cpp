@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/solve/ordinates.h>
+#include <scrim/engine/cells/ordinates.h>
 
 #include <scrim/base/error.h>
 #include <scrim/base/legendre.h>
@@ -16,7 +16,7 @@
 #include <glm/geometric.hpp>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "scrim/engine/solve/ordinates.cpp"
+#define HWY_TARGET_INCLUDE "scrim/engine/cells/ordinates.cpp"
 #include <hwy/foreach_target.h>
 #include <scrim/engine/simd-inl.h>
 #include <scrim/base/parallel.h>
