@@ -498,6 +498,7 @@ const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
                                                                        {"albedo.", files},
                                                                        {"blackbody.", same},
                                                                        {"emission.grid", files},
+                                                                       {"emission.colors", files},
                                                                        {"emission.ramp", same},
                                                                        {"emission.mask", files},
                                                                        {"medium.transparency", same},
