@@ -2,6 +2,7 @@
 #include <scrim/shot/between_files.h>
 
 #include <scrim/base/error.h>
+#include <scrim/geometry/cubic_weights.h>
 #include <scrim/shot/values_at.h>
 #include <scrim/shot/velocity_parts.h>
 #include <scrim/volume/field_builder.h>
@@ -35,13 +36,6 @@ Bounds cameFrom(const Mat3& linear, double time, const BlockVectors& velocities,
 
 Bounds movedBy(const Bounds& box, const Vec3& way) {
     return {box.lower + way, box.upper + way};
-}
-
-/// The weights of four voxels in a row for a point that is `f`, 0 to 1, beyond the second (E. Catmull and R. Rom, "A
-/// Class of Local Interpolating Splines", 1974).
-std::array<double, 4> cubicWeights(double f) {
-    const double f2 = f * f, f3 = f2 * f;
-    return {-0.5 * f + f2 - 0.5 * f3, 1 - 2.5 * f2 + 1.5 * f3, 0.5 * f + 2 * f2 - 1.5 * f3, -0.5 * f2 + 0.5 * f3};
 }
 
 /// A copy of the voxels in a small box, interpolated by cubics, which keep what is as fine as a voxel. A value stays

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/cells/cell_walk.h>
 
+#include <scrim/geometry/cubic_weights.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,7 +28,7 @@ class CellsOfSlice {
         low[a] -= 1.5;
         low[b] -= 1.5;
         const Int3 first(glm::floor(low));
-        const std::array<double, 4> along = weights(low[a] - first[a]), beside = weights(low[b] - first[b]);
+        const std::array<double, 4> along = cubicWeights(low[a] - first[a]), beside = cubicWeights(low[b] - first[b]);
         const Int3 block(first.x >> 3, first.y >> 3, first.z >> 3), inside = first - block * kCellEdge;
         if (inside[a] > kCellEdge - 4 || inside[b] > kCellEdge - 4) {
             for (int i = 0; i < 16; ++i) {
@@ -51,11 +53,6 @@ class CellsOfSlice {
     }
 
   private:
-    static std::array<double, 4> weights(double t) {
-        const double before = -0.5 * t * (1 - t) * (1 - t), behind = -0.5 * t * t * (1 - t);
-        return {before, 1 - t - 2 * before + behind, t - 2 * behind + before, behind};
-    }
-
     const CellGrid& m_grid;
     int m_across[2];
     Int3 m_block{1 << 30};

@@ -305,19 +305,21 @@ class Jobs {
             far = std::make_shared<CellField>(m_grid, coloured ? 3 : 1, coloured ? Rgb(1) : tint / largest(tint));
         }
         shown.field = far;
-        for (const int i : lit)
+        for (const int i : lit) {
+            const Light& light = m_scene.lights[std::size_t(i)];
+            const Sources sources = sourcesOf(m_scene, {i});
+            const auto cells = together ? cellsNear(light, *m_grid, cornerOfVoxels(m_scene, m_grid->edge())) : m_grid;
             for (const Octave& octave : octaves) {
-                LampView view{m_scene.lights[std::size_t(i)], octave.phase, m_scene.camera, octave.extinction};
+                LampView view{light, octave.phase, m_scene.camera, octave.extinction};
                 view.lamp.intensity *= octave.share;
-                view.attenuated = isHeldBack(m_scene, std::size_t(i));
+                view.attenuated = sources.attenuated;
                 view.nearby = together;
-                const auto cells =
-                    together ? cellsNear(view.lamp, *m_grid, cornerOfVoxels(m_scene, m_grid->edge())) : m_grid;
                 const auto lamp = std::make_shared<LampField>(view, cells, m_grey ? 1 : 3);
                 shown.lamps.push_back(lamp);
                 // What the cells keep is a transmittance; the field knows the lamp's share.
-                jobs.push_back({i, sourcesOf(m_scene, {i}), {{}, octave.extinction}, far, lamp});
+                jobs.push_back({i, sources, {{}, octave.extinction}, far, lamp});
             }
+        }
     }
 
     const ViewScene& m_scene;
