@@ -236,8 +236,8 @@ namespace {
 // and 1.01 voxels in three frames, light that had scattered changed by 4 % from frame to frame, and by 0.5 % with one
 // size.
 double steadyCell(double cell) {
-    constexpr double kSteps = 4;
-    return std::floor(100 * std::exp2(std::round(kSteps * std::log2(cell)) / kSteps)) / 100;
+    constexpr double kStepsOfAnOctave = 4;
+    return std::floor(100 * std::exp2(std::round(kStepsOfAnOctave * std::log2(cell)) / kStepsOfAnOctave)) / 100;
 }
 
 }  // namespace
