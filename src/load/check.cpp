@@ -96,6 +96,31 @@ void answerMustBe(bool right) {
     if (!right) ::_exit(kWrongAnswer);
 }
 
+void fillAndFreeInThread() {
+    std::thread([] {
+        std::vector<std::unique_ptr<char[]>> pieces;
+        for (int i = 0; i < 1000; ++i) pieces.push_back(std::make_unique<char[]>(std::size_t{1} << 14));
+        while (!pieces.empty()) pieces.pop_back();
+    }).join();
+}
+
+/// Tests for children that read a volume on several threads, which may do no more together than one of them.
+void checkThreads(Check& expect) {
+    constexpr Rights kRights = Rights::threads;
+    expect(kRights, "starting a thread", 0, [] { std::thread([] {}).join(); });
+    expect(kRights, "freeing a thread's memory", 0, fillAndFreeInThread);
+    const auto openFile = [] { (void)::open("/dev/null", O_RDONLY); };
+    expect(kRights, "opening a file", SIGSYS, openFile);
+    expect(kRights, "opening a file in a thread", SIGSYS, [&] { std::thread(openFile).join(); });
+    expect.judge("opening a file in a thread from before", SIGSYS, statusOfThread(kRights, openFile));
+    expect(kRights, "forking", SIGSYS, [] { (void)::fork(); });
+    expect(kRights, "forking in a thread", SIGSYS, [] { std::thread([] { (void)::fork(); }).join(); });
+    expect(kRights, "running a program", SIGSYS, [] { (void)::execl("/bin/true", "true", nullptr); });
+    expect(kRights, "making a socket", SIGSYS, [] { (void)::socket(AF_INET, SOCK_STREAM, 0); });
+    expect(kRights, "loading code", SIGSYS,
+           [] { (void)::mmap(nullptr, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0); });
+}
+
 /// Tests for children whose libraries ask for files by name.
 void checkNames(Check& expect) {
     constexpr Rights kRights = Rights::names;
@@ -125,14 +150,7 @@ void checkCode(Check& expect) {
     };
     expect(kRights, "making code", 0, [&] { answerMustBe(makeCode() != MAP_FAILED); });
     expect(kRights, "starting a thread", 0, [] { std::thread([] {}).join(); });
-    expect(kRights, "freeing a thread's memory", 0, [] {
-        const auto fillAndFree = [] {
-            std::vector<std::unique_ptr<char[]>> pieces;
-            for (int i = 0; i < 1000; ++i) pieces.push_back(std::make_unique<char[]>(std::size_t{1} << 14));
-            while (!pieces.empty()) pieces.pop_back();
-        };
-        std::thread(fillAndFree).join();
-    });
+    expect(kRights, "freeing a thread's memory", 0, fillAndFreeInThread);
     expect(kRights, "finding no file", 0, [] { answerMustBe(::open("/dev/null", O_RDONLY) == -1 && errno == ENOENT); });
     const auto openFile = [] { (void)::open("/dev/null", O_RDWR); };
     expect(kRights, "writing to a file", SIGSYS, openFile);
@@ -200,6 +218,8 @@ bool checkConfinement() {
     expect(kRights, "running a program", SIGSYS, [] { (void)::execl("/bin/true", "true", nullptr); });
     expect(kRights, "killing another process", SIGSYS, [] { (void)::kill(1, 0); });
     expect(kRights, "aborting", SIGABRT, [] { std::abort(); });
+    std::puts("with threads");
+    checkThreads(expect);
     std::printf("with volume sources loaded (%s)\n", loadSources().c_str());
     checkNames(expect);
     std::puts("with expressions to compile");

@@ -74,10 +74,9 @@ class Filter {
     void trapWithout(long call, unsigned argument, std::uint32_t forbidden) {
         add(SCMP_ACT_TRAP, call, hasBits(argument, forbidden, 0));
     }
-    /// Allowed where argument number `argument` has the bit `bit`; otherwise it fails without being made.
-    void allowOnlyWith(long call, unsigned argument, std::uint32_t bit, int error) {
+    /// Allowed where argument number `argument` has the bit `bit`.
+    void allowWithBit(long call, unsigned argument, std::uint32_t bit) {
         add(SCMP_ACT_ALLOW, call, hasBits(argument, bit, bit));
-        add(SCMP_ACT_ERRNO(std::uint32_t(error)), call, hasBits(argument, bit, 0));
     }
     /// Allowed where argument number `argument` is `value`.
     void allowWith(long call, unsigned argument, std::uint32_t value) {
@@ -108,11 +107,16 @@ class Filter {
 
 /// Allows threads, which run under the same filter, and questions about the machine.
 void allowThreads(Filter& filter) {
-    filter.allowOnlyWith(SYS_clone, 0, CLONE_THREAD, EAGAIN);
+    filter.allowWithBit(SYS_clone, 0, CLONE_THREAD);
     filter.refuse(SYS_clone3, ENOSYS);  // a filter cannot see its flags; callers then fall back to the call above
     for (const long call : {SYS_set_robust_list, SYS_rseq, SYS_clock_nanosleep}) filter.allow(call);
     filter.refuse(SYS_sched_getaffinity, ENOSYS);  // callers can do without
     for (const long call : {SYS_sysinfo, SYS_uname, SYS_getrusage}) filter.allow(call);
+}
+
+/// Makes starting a process fail, for libraries that can do without.
+void refuseProcesses(Filter& filter) {
+    filter.refuseWithout(SYS_clone, 0, CLONE_THREAD, EAGAIN);
 }
 
 constexpr std::uint32_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
@@ -133,12 +137,14 @@ void answerCalls(Filter& filter) {
     filter.refuse(SYS_fcntl, EINVAL);
     filter.refuse(SYS_getcwd, ENOENT);
     allowThreads(filter);  // some readers wait for threads that could not be started
+    refuseProcesses(filter);
 }
 
 /// Installs a filter under which no call opens, names or connects anything. Returns 0 or the errno.
 int filterCalls(Rights rights) {
     Filter filter;
     if (rights == Rights::names) answerCalls(filter);
+    if (rights == Rights::threads) allowThreads(filter);
     for (const long call :
          {SYS_read,          SYS_pread64,      SYS_readv,     SYS_write,          SYS_writev,       SYS_pwrite64,
           SYS_lseek,         SYS_fstat,        SYS_ftruncate, SYS_close,          SYS_brk,          SYS_munmap,
@@ -148,6 +154,7 @@ int filterCalls(Rights rights) {
         filter.allow(call);
     if (rights == Rights::compiling) {
         allowThreads(filter);
+        refuseProcesses(filter);
         for (const long call : {SYS_mmap, SYS_mprotect}) filter.allow(call);
         // Where a thread has freed much memory, free() reads how the system counts memory; it can do without.
         filter.refuseWithout(SYS_openat, 2, kWriting, ENOENT);

@@ -18,6 +18,7 @@ bool hasFilter();
 
 enum class Rights {
     reading,  ///< files whose descriptors are open
+    threads,  ///< as `reading`; also threads
     names,    ///< also files that libraries ask for by name, as AnsweredCalls answers them (answered_calls.h); threads
     /// As `reading`; also threads, and memory that holds code until forbidCode() is called. Opening a file to read it
     /// fails.
@@ -26,8 +27,8 @@ enum class Rights {
 
 /// Confines this process permanently: no core dumps, no capabilities of root and no new privileges, limits of memory
 /// and time, and only system calls that compute or read and write open descriptors. Any other call (to open a file,
-/// make a socket, start a thread or a program) ends the process by SIGSYS. With Rights::names, threads may be started
-/// (some libraries need them to decode), and harmless queries fail instead. Returns 0, or the errno of what failed:
+/// make a socket, start a thread or a program) ends the process by SIGSYS. With all rights but Rights::reading, threads
+/// may be started; with Rights::names, harmless queries fail instead. Returns 0, or the errno of what failed:
 /// ENOMEM where there is not enough memory to build the filter, anything else where the system refuses.
 int confine(const Limits& limits, Rights rights = Rights::reading);
 

@@ -15,7 +15,7 @@ namespace scrim::load {
 
 EditVolume::EditVolume(int transfer, LoadRequest request, const std::vector<int>& inputs, int threads)
     : m_transfer(transfer), m_threads(threads), m_request(std::move(request)), m_edit(gridEditFrom(m_request.edit)) {
-    allowThreads();
+    allowThreadsWithArenas();
     try {
         if (!m_edit.programs.empty()) m_ax = loadAxModule(m_request.source, m_edit.programs.front().where);
     } catch (const Error& error) {

@@ -97,12 +97,25 @@ void runConfined(const Task& task, const Limits& limits) {
     task.run();
 }
 
+/// The threads that `memory` suffices for, each of which takes `bytes` of address space.
+int threadsFor(const LoadMessage& message, std::uint64_t bytes) {
+    const auto most = std::max<std::uint64_t>(message.memory / bytes / 2, 1);
+    return static_cast<int>(std::min<std::uint64_t>(message.threads, most));
+}
+
+/// Reads a volume.
+void runReader(LoadRequest request, const LoadMessage& message, Limits limits) {
+    constexpr std::uint64_t kStackBytes = std::uint64_t{16} << 20;
+    const int threads = threadsFor(message, kStackBytes);
+    limits.seconds *= static_cast<std::size_t>(threads);
+    runConfined(ReadVolume(kChildTransfer, std::move(request), kChildInput, threads), limits);
+}
+
 /// Runs a source, or edits a volume. A thread takes address space for its stack and its memory, which a small limit
 /// must provide.
 void runThreaded(LoadRequest request, const LoadMessage& message, Limits limits) {
     constexpr std::uint64_t kThreadBytes = std::uint64_t{128} << 20;
-    const auto most = std::max<std::uint64_t>(message.memory / kThreadBytes / 2, 1);
-    const int threads = static_cast<int>(std::min<std::uint64_t>(message.threads, most));
+    const int threads = threadsFor(message, kThreadBytes);
     limits.seconds *= static_cast<std::size_t>(threads);
     if (request.edit.empty())
         runConfined(ReadSource(kChildTransfer, std::move(request), kChildInput, kChildBeside, threads), limits);
@@ -145,7 +158,7 @@ void runThreaded(LoadRequest request, const LoadMessage& message, Limits limits)
     else if (!wanted.source.empty() || !wanted.edit.empty())
         runThreaded(std::move(wanted), request.message, limits);
     else
-        runConfined(ReadVolume(kChildTransfer, std::move(wanted), kChildInput), limits);
+        runReader(std::move(wanted), request.message, limits);
     // The heap may be corrupted by a damaged file, so it is not cleaned up.
     ::_exit(0);
 }
@@ -246,9 +259,9 @@ int main(int argc, char** argv) {
         const scrim::PictureModule* pictures = loadPictureModule(argv[2]);
         return pictures == nullptr ? 1 : Server(pictures).serve();
     }
-    if (mode == "--check" && argc == 2) return checkConfinement() ? 0 : 1;
-    if (mode == "--serve" && argc == 2) {
+    if (argc == 2 && (mode == "--check" || mode == "--serve")) {
         prepareToRead();
+        if (mode == "--check") return checkConfinement() ? 0 : 1;
         return Server(nullptr).serve();
     }
     std::fputs(

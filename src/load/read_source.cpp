@@ -15,7 +15,7 @@ namespace scrim::load {
 
 ReadSource::ReadSource(int transfer, LoadRequest request, int input, int beside, int threads)
     : m_transfer(transfer), m_threads(threads), m_request(std::move(request)) {
-    allowThreads();
+    allowThreadsWithArenas();
     try {
         m_source.emplace(m_request.source);
     } catch (const Error& error) {

@@ -21,8 +21,9 @@ void sendAll(int transfer, const LoadRequest& request, const VdbBytes& bytes) {
     if (request.what == "info") return sendInfo(transfer, VdbFile::open(bytes).info());
     std::vector<TransferMessage> messages;
     const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
-    const std::vector<SparseField> fields = readFields(bytes, request.grids, hear);
-    sendFields(transfer, fields, messages);
+    TransferBlocks blocks(transfer);
+    const std::vector<SparseField> fields = readFields(bytes, request.grids, hear, blocks);
+    sendFields(transfer, fields, messages, &blocks);
 }
 
 std::optional<tbb::global_control>& oneThread() {
@@ -46,17 +47,27 @@ void prepareToRead() {
 
 void allowThreads() {
     oneThread().reset();
-    constexpr int kArenas = 8;  // memory arenas, each of which takes 64 MB of address space
-    ::mallopt(M_ARENA_MAX, kArenas);
 }
 
-ReadVolume::ReadVolume(int transfer, LoadRequest request, int input)
-    : m_transfer(transfer), m_request(std::move(request)), m_bytes(std::make_unique<VdbBytes>(m_request.path, input)) {}
+void allowThreadsWithArenas() {
+    allowThreads();
+    constexpr int kMostArenas = 8;
+    ::mallopt(M_ARENA_MAX, kMostArenas);
+}
+
+ReadVolume::ReadVolume(int transfer, LoadRequest request, int input, int threads)
+    : m_transfer(transfer),
+      m_threads(threads),
+      m_request(std::move(request)),
+      m_bytes(std::make_unique<VdbBytes>(m_request.path, input)) {
+    allowThreads();
+}
 
 /// An exception is sent in place of the result.
 void ReadVolume::run() const {
     try {
-        readWithErrors(m_request.path, [&] { sendAll(m_transfer, m_request, *m_bytes); });
+        readWithErrors(m_request.path,
+                       [&] { TaskArena(m_threads).run([&] { sendAll(m_transfer, m_request, *m_bytes); }); });
     } catch (const Error& error) {
         sendError(m_transfer, error);
     }

@@ -15,20 +15,22 @@ namespace scrim::load {
 /// From then on, parallel loops run on the calling thread.
 void prepareToRead();
 
-/// For a child: lets parallel loops start threads.
+/// For a child: lets parallel loops start threads, all of which allocate from one arena.
 void allowThreads();
+/// As allowThreads; each has an arena of its own, which takes 64 MB of address space.
+void allowThreadsWithArenas();
 
 class ReadVolume {
   public:
-    static constexpr Rights kRights = Rights::reading;
+    static constexpr Rights kRights = Rights::threads;
 
-    /// Determines the size of the open file `input`.
-    ReadVolume(int transfer, LoadRequest request, int input);
+    /// Determines the size of the open file `input`, which `threads` threads will read.
+    ReadVolume(int transfer, LoadRequest request, int input, int threads);
     /// Reads the file and sends its contents, or the error.
     void run() const;
 
   private:
-    int m_transfer;
+    int m_transfer, m_threads;
     LoadRequest m_request;
     std::unique_ptr<VdbBytes> m_bytes;
 };

@@ -173,7 +173,7 @@ std::vector<MadeVoxel> box(const Int3& lower, const Int3& upper, double value) {
     return voxels;
 }
 
-void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Container container) {
+void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Container container, const Packing& packing) {
     openvdb::initialize();
     openvdb::GridCPtrVec made;
     for (const MadeGrid& grid : grids) made.push_back(make(grid));
@@ -185,6 +185,10 @@ void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Contai
         return;
     }
     openvdb::io::File file(path);
+    file.setCompression((packing.codec == "blosc" ? openvdb::io::COMPRESS_BLOSC
+                         : packing.codec == "zip" ? openvdb::io::COMPRESS_ZIP
+                                                  : openvdb::io::COMPRESS_NONE) |
+                        (packing.activeMask ? openvdb::io::COMPRESS_ACTIVE_MASK : openvdb::io::COMPRESS_NONE));
     file.write(made, metadata);
 }
 

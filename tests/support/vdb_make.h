@@ -52,7 +52,14 @@ std::vector<MadeVoxel> box(const Int3& lower, const Int3& upper, double value);
 
 enum class Container { file, stream };  ///< a stream has no offsets: the outer structure cannot be checked
 
-void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Container container = Container::file);
+/// How a file is compressed.
+struct Packing {
+    std::string codec = "blosc";  ///< or "zip", "none"
+    bool activeMask = true;       ///< most values of inactive voxels are left out
+};
+
+void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Container container = Container::file,
+             const Packing& packing = {});
 
 /// Two grids, "density" and "copy", that share one tree, the second at another place: a file says so with an instance.
 void makeVdbWithInstance(const std::string& path, const MadeGrid& density);

@@ -7,6 +7,7 @@
 #include <scrim/volume/vdb_info_text.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -15,8 +16,9 @@ namespace scrim {
 
 namespace {
 
-/// Each field consists of a FieldHeader, the name, origins, tiles, and the aligned values of its blocks.
+/// Each field consists of a FieldHeader, the name, origins and tiles. The values of its blocks lie before the contents.
 struct FieldHeader {
+    std::uint64_t valuesAt = 0;
     std::uint64_t blocks = 0;
     std::uint64_t tiles = 0;
     std::uint64_t nonFinite = 0;
@@ -30,25 +32,37 @@ struct TileRecord {
     float value;
 };
 
+/// What is known about some blocks from another process.
+struct Part {
+    std::uint64_t active = 0;
+    float maxValue = 0;
+    bool good = true;  ///< all values are finite and not negative
+
+    void add(const float* block) {
+        // Written so that compilers vectorise it: the bits of floats that are neither negative nor NaN have their
+        // order.
+        constexpr auto kLargest = std::bit_cast<std::int32_t>(std::numeric_limits<float>::max());
+        std::int32_t positive = 0, largest = 0, least = 0;
+        for (int i = 0; i < kBlockVoxels; ++i) {
+            const auto bits = std::bit_cast<std::int32_t>(block[i]);
+            positive += bits > 0;
+            largest = std::max(largest, bits);
+            least = std::min(least, bits);
+        }
+        active += static_cast<std::uint64_t>(positive);
+        good = good && least == 0 && largest <= kLargest;
+        maxValue = std::max(maxValue, std::bit_cast<float>(largest));
+    }
+};
+
 /// Checks in blocks from another process what `buildField` promises about values: counts them, and returns whether all
 /// are finite and not negative.
 bool countBlocks(SparseField& field) {
     constexpr std::size_t kBlocksPerTask = 256;
-    struct Part {
-        std::uint64_t active = 0;
-        float maxValue = 0;
-        bool good = true;
-    };
     std::vector<Part> parts((field.blockCount() + kBlocksPerTask - 1) / kBlocksPerTask);
     parallelFor(parts.size(), [&](std::size_t task) {
-        Part& part = parts[task];
         const std::size_t end = std::min(field.blockCount(), (task + 1) * kBlocksPerTask);
-        const float* values = field.block(task * kBlocksPerTask);
-        for (const float* v = values; v != field.block(end); ++v) {
-            part.good = part.good && *v >= 0 && *v <= std::numeric_limits<float>::max();
-            part.active += *v > 0;
-            part.maxValue = std::max(part.maxValue, *v);
-        }
+        for (std::size_t i = task * kBlocksPerTask; i < end; ++i) parts[task].add(field.block(i));
     });
     bool good = true;
     for (const Part& part : parts) {
@@ -80,9 +94,7 @@ SparseField readField(TransferReader& reader, const std::shared_ptr<const Transf
         field.tiles.push_back({{t.origin[0], t.origin[1], t.origin[2]}, t.edge, t.value});
         if (!(std::isfinite(t.value) && t.value > 0)) incompleteTransfer("a tile holds a value that is not above 0");
     }
-    reader.align();
-    const auto* values = reinterpret_cast<const float*>(reader.take(header.blocks, kBlockVoxels * sizeof(float)));
-    field.blockValues = std::shared_ptr<const float>(mapping, values);
+    field.blockValues = std::shared_ptr<const float>(mapping, reader.blocks(header.valuesAt, header.blocks));
 
     if (!std::is_sorted(field.blockOrigins.begin(), field.blockOrigins.end(), originLess))
         incompleteTransfer("its blocks are out of order");
@@ -109,6 +121,22 @@ void sendMessages(TransferWriter& writer, const std::vector<TransferMessage>& me
     }
 }
 
+/// `valuesAt` is the position of the field's values.
+void sendField(TransferWriter& writer, const SparseField& field, std::uint64_t valuesAt) {
+    FieldHeader header;
+    header.valuesAt = valuesAt;
+    header.blocks = field.blockCount();
+    header.tiles = field.tiles.size();
+    header.nonFinite = field.nonFinite;
+    header.negative = field.negative;
+    for (int i = 0; i < 16; ++i) header.wsFromIs[i] = field.wsFromIs[i / 4][i % 4];
+    writer.value(header);
+    writer.text(field.name);
+    writer.bytes(field.blockOrigins.data(), field.blockOrigins.size() * sizeof(Int3));
+    for (const ConstantTile& t : field.tiles)
+        writer.value(TileRecord{{t.origin.x, t.origin.y, t.origin.z}, t.edge, t.value});
+}
+
 std::vector<TransferMessage> receiveMessages(TransferReader& reader, const TransferHeader& header) {
     std::vector<TransferMessage> messages;
     for (std::uint64_t i = 0; i < header.messages; ++i) {
@@ -120,24 +148,18 @@ std::vector<TransferMessage> receiveMessages(TransferReader& reader, const Trans
 
 }  // namespace
 
-void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages) {
-    TransferWriter writer(fd);
-    sendMessages(writer, messages);
+void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages,
+                const TransferBlocks* blocks) {
+    TransferWriter writer = blocks == nullptr ? TransferWriter(fd) : TransferWriter(*blocks);
+    std::vector<std::uint64_t> places;
     for (const SparseField& field : fields) {
-        FieldHeader header;
-        header.blocks = field.blockCount();
-        header.tiles = field.tiles.size();
-        header.nonFinite = field.nonFinite;
-        header.negative = field.negative;
-        for (int i = 0; i < 16; ++i) header.wsFromIs[i] = field.wsFromIs[i / 4][i % 4];
-        writer.value(header);
-        writer.text(field.name);
-        writer.bytes(field.blockOrigins.data(), field.blockOrigins.size() * sizeof(Int3));
-        for (const ConstantTile& t : field.tiles)
-            writer.value(TileRecord{{t.origin.x, t.origin.y, t.origin.z}, t.edge, t.value});
-        writer.align();
-        writer.bytes(field.blockValues.get(), field.blockCount() * kBlockVoxels * sizeof(float));
+        const float* const values = field.blockValues.get();
+        const auto place = blocks == nullptr ? std::nullopt : blocks->positionOf(values);
+        places.push_back(place ? *place : writer.values(values, field.blockCount() * kBlockVoxels * sizeof(float)));
     }
+    writer.beginContents();
+    sendMessages(writer, messages);
+    for (std::size_t i = 0; i < fields.size(); ++i) sendField(writer, fields[i], places[i]);
     TransferHeader header;
     header.fields = fields.size();
     header.messages = messages.size();

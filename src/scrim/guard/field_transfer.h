@@ -55,9 +55,11 @@ struct ReceivedFields {
 };
 
 /// Each writes one thing as the whole contents of the transfer, from the file's start; `fd` stays open. They throw
-/// Error(memory) where there is no space, Error(render) where writing fails otherwise.
+/// Error(memory) where there is no space, Error(render) where writing fails otherwise. Values of fields that lie in
+/// `blocks` (null: none do), which belongs to the transfer, stay where they are.
 void sendRequest(int fd, const LoadRequest& request);
-void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages);
+void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages,
+                const TransferBlocks* blocks = nullptr);
 void sendInfo(int fd, const VdbFileInfo& info);
 void sendFile(int fd, const std::string& bytes, const std::vector<TransferMessage>& messages);
 void sendError(int fd, const Error& error);

@@ -46,7 +46,8 @@ std::vector<SparseField> loadFields(const std::string& path, const std::vector<G
         return guardedFields(path, requests, options, messages, checkpoint, edit);
     std::vector<SparseField> fields;
     readWithErrors(path, [&] {
-        fields = edit == nullptr ? readFields(VdbBytes(path), requests, messages)
+        BlockMemory memory;
+        fields = edit == nullptr ? readFields(VdbBytes(path), requests, messages, memory)
                                  : readFields(openFiles(path, edit->files), requests, *editorHere(*edit), messages);
     });
     return fields;

@@ -15,7 +15,7 @@ constexpr int kLoadSocket = 3;  // the first behind stdin, stdout and stderr
 struct LoadMessage {
     std::uint64_t memory = 0;   ///< address space that the child may add to what it starts with, bytes
     std::uint64_t seconds = 0;  ///< processor time, for each thread
-    std::uint32_t threads = 1;  ///< threads that a volume source may use; files are read by one
+    std::uint32_t threads = 1;  ///< threads that reading a volume, or a volume source, may use
     /// Number of descriptors with the message, in the order below.
     std::uint32_t descriptors = 0;
     std::uint32_t showsStderr = 0;  ///< 1: the child writes to kStderr what libraries print

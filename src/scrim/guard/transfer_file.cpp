@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <new>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -17,11 +18,14 @@
 namespace scrim {
 namespace {
 
-constexpr std::uint64_t kMagic = 0x3152464d49524353;  // "SCRIMFR1"
+constexpr std::uint64_t kMagic = 0x3252464d49524353;  // "SCRIMFR2"
 constexpr std::uint64_t kAlignment = 64;              // a cache line, which is more than any float needs
 
-std::uint64_t alignedUp(std::uint64_t at) {
-    return (at + kAlignment - 1) / kAlignment * kAlignment;
+constexpr std::uint64_t kBlockBytes = kBlockVoxels * sizeof(float);
+constexpr std::uint64_t kLargePage = 2 << 20;  // a system with large pages maps these at once
+
+std::uint64_t alignedUp(std::uint64_t at, std::uint64_t alignment = kAlignment) {
+    return (at + alignment - 1) / alignment * alignment;
 }
 
 /// Throws the error of a failed write. Children call this, too; behind their filter they cannot query limits. A child
@@ -85,6 +89,38 @@ void incompleteTransfer(const std::string& reason) {
     throw Error(ErrorKind::input, "what was read is incomplete: " + reason);
 }
 
+TransferBlocks::TransferBlocks(int fd) : m_fd(fd), m_end(sizeof(TransferHeader)) {
+    if (::ftruncate(m_fd, 0) != 0) failedToWrite();
+}
+
+std::shared_ptr<float[]> TransferBlocks::take(std::size_t count) {
+    if (count == 0) return BlockMemory::take(0);
+    const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+    const std::uint64_t bytes = alignedUp(count * kBlockBytes, page);
+    const std::uint64_t at = alignedUp(m_end, bytes < kLargePage ? page : kLargePage);
+    if (::ftruncate(m_fd, static_cast<off_t>(at + bytes)) != 0) failedToWrite();
+    void* const address = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, m_fd, static_cast<off_t>(at));
+    if (address == MAP_FAILED) throw std::bad_alloc();
+    (void)::madvise(address, bytes, MADV_HUGEPAGE);  // where the system has none, small ones do
+    m_end = at + bytes;
+    const std::shared_ptr<float[]> values(static_cast<float*>(address), [bytes](float* p) { ::munmap(p, bytes); });
+    m_parts.push_back({values, at});
+    return values;
+}
+
+void TransferBlocks::shrink(float* values, std::size_t count, std::size_t kept) {
+    if (!positionOf(values)) return;
+    const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+    const std::uint64_t from = alignedUp(kept * kBlockBytes, page), to = alignedUp(count * kBlockBytes, page);
+    if (from < to) (void)::madvise(reinterpret_cast<char*>(values) + from, to - from, MADV_REMOVE);
+}
+
+std::optional<std::uint64_t> TransferBlocks::positionOf(const float* values) const {
+    for (const Part& part : m_parts)
+        if (part.values.get() == values) return part.at;
+    return {};
+}
+
 TransferWriter::TransferWriter(int fd) : m_fd(fd) {
     if (::ftruncate(m_fd, 0) != 0) failedToWrite();
 }
@@ -103,10 +139,19 @@ void TransferWriter::align() {
     m_at = alignedUp(m_at);
 }
 
+std::uint64_t TransferWriter::values(const void* data, std::uint64_t size) {
+    align();
+    const std::uint64_t at = m_at;
+    bytes(data, size);
+    beginContents();
+    return at;
+}
+
 void TransferWriter::finish(TransferHeader header, TransferKind kind) {
     if (::ftruncate(m_fd, static_cast<off_t>(m_at)) != 0) failedToWrite();
     header.magic = kMagic;
     header.bytes = m_at;
+    header.contents = m_contents;
     header.kind = static_cast<std::uint32_t>(kind);
     write(&header, sizeof header, 0);
 }
@@ -151,6 +196,8 @@ TransferHeader TransferReader::header(TransferKind expected) {
     if (header.magic != kMagic) incompleteTransfer("the process that read it stopped before it was done");
     if (header.bytes != m_bytes.size())
         incompleteTransfer(fmt::format("it has {} bytes, expected {}", m_bytes.size(), header.bytes));
+    if (header.contents < m_at || header.contents > m_bytes.size()) incompleteTransfer("its contents lie elsewhere");
+    m_at = m_contents = header.contents;
     if (header.kind == static_cast<std::uint32_t>(TransferKind::error)) throwSent(header, *this);
     if (header.kind != static_cast<std::uint32_t>(expected)) incompleteTransfer("it holds something else");
     return header;
@@ -170,6 +217,12 @@ std::string TransferReader::text() {
 
 void TransferReader::align() {
     take(alignedUp(m_at) - m_at, 1);
+}
+
+const float* TransferReader::blocks(std::uint64_t at, std::uint64_t count) const {
+    if (at % kAlignment != 0 || at > m_contents || count > (m_contents - at) / kBlockBytes)
+        incompleteTransfer("its values lie elsewhere");
+    return reinterpret_cast<const float*>(m_bytes.data() + at);
 }
 
 }  // namespace scrim

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Internal: the file through which one process hands what it read to another (field_transfer.h, picture_transfer.h).
 // The sender writes the contents first and the header last, so that a sender that dies half-way leaves no valid header.
-// The receiver trusts nothing.
+// The receiver trusts nothing. Large values lie before the contents, which say where, so that they can be made in
+// place.
 #pragma once
 
 #include <scrim/base/error.h>
+#include <scrim/volume/block_memory.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace scrim {
 
@@ -28,12 +33,13 @@ enum class TransferKind : std::uint32_t {
     photometry = 10,
 };
 
-/// The start of the file; the contents that `kind` stands for follow. An error consists of its text; a GridError
-/// (marked by `fields` = 1) adds the text of its request, a BesideError (marked by `messages` = 1) a file name. Numbers
-/// have this machine's byte order, because both ends run on it.
+/// The start of the file; the contents that `kind` stands for begin at byte `contents` and reach to the end. An error
+/// consists of its text; a GridError (marked by `fields` = 1) adds the text of its request, a BesideError (marked by
+/// `messages` = 1) a file name. Numbers have this machine's byte order, because both ends run on it.
 struct TransferHeader {
     std::uint64_t magic = 0;
     std::uint64_t bytes = 0;  ///< size of the whole file
+    std::uint64_t contents = 0;
     std::uint32_t kind = 0;
     std::uint32_t code = 0;  ///< kind of an error
     std::uint64_t fields = 0;
@@ -61,13 +67,49 @@ int createTransfer();
 /// Writes all bytes at position `at` of a file. False: it failed, as errno tells.
 bool writeAll(int fd, const void* data, std::uint64_t size, std::uint64_t at);
 
+/// Memory for blocks that lies in the transfer, before its contents. A field whose values are there is handed over
+/// without a copy (sendFields).
+class TransferBlocks : public BlockMemory {
+  public:
+    /// Invalidates the former contents of the file, a memfd, which must stay open as long as this object lives.
+    explicit TransferBlocks(int fd);
+
+    /// Throws Error as TransferWriter does.
+    std::shared_ptr<float[]> take(std::size_t count) override;
+    /// Gives memory back to the system; the file keeps its size.
+    void shrink(float* values, std::size_t count, std::size_t kept) override;
+
+    /// Where in the file values that take() returned lie; nothing for any other values.
+    std::optional<std::uint64_t> positionOf(const float* values) const;
+    int fd() const { return m_fd; }
+    /// The position behind all that was taken.
+    std::uint64_t end() const { return m_end; }
+
+  private:
+    /// Kept to the end, so that no other values can have the same address.
+    struct Part {
+        std::shared_ptr<float[]> values;
+        std::uint64_t at = 0;
+    };
+
+    int m_fd;
+    std::uint64_t m_end = 0;
+    std::vector<Part> m_parts;
+};
+
 /// Throws Error(memory) where there is no space, Error(output) where the limit on file sizes is reached, Error(render)
 /// where writing fails otherwise.
 class TransferWriter {
   public:
     /// Invalidates the former contents of the file.
     explicit TransferWriter(int fd);
+    /// Keeps the values that lie in `blocks`.
+    explicit TransferWriter(const TransferBlocks& blocks) : m_fd(blocks.fd()), m_at(blocks.end()) {}
 
+    /// Writes `size` bytes, aligned for any float, and returns their position. Only before the contents.
+    std::uint64_t values(const void* data, std::uint64_t size);
+    /// What is written from now on are the contents. May be left out where there are no values before them.
+    void beginContents() { m_contents = m_at; }
     void bytes(const void* data, std::uint64_t size);
     template <typename T>
     void value(const T& v) {
@@ -84,6 +126,7 @@ class TransferWriter {
 
     int m_fd;
     std::uint64_t m_at = sizeof(TransferHeader);
+    std::uint64_t m_contents = sizeof(TransferHeader);
 };
 
 /// The received file, mapped for reading as long as this object lives.
@@ -120,11 +163,14 @@ class TransferReader {
     }
     std::string text();
     void align();
+    /// The values of `count` blocks at the position `at`, which must lie before the contents.
+    const float* blocks(std::uint64_t at, std::uint64_t count) const;
     bool done() const { return m_at == m_bytes.size(); }
 
   private:
     std::span<const char> m_bytes;
     std::uint64_t m_at = 0;
+    std::uint64_t m_contents = 0;
 };
 
 }  // namespace scrim

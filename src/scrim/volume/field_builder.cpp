@@ -10,10 +10,10 @@
 #include <cstring>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 #include <tuple>
 #include <unordered_set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/matrix.hpp>
@@ -28,43 +28,6 @@ constexpr std::size_t kBlocksPerTask = 64;
 /// Smallest normal value. Denormal values count as 0 without a warning: whether a thread can tell them from 0 depends
 /// on its floating-point mode, and the result must not.
 constexpr float kSmallest = std::numeric_limits<float>::min();
-
-struct Counts {
-    std::uint64_t active = 0;
-    std::uint64_t nonFinite = 0;
-    std::uint64_t negative = 0;
-    float maxValue = 0;
-
-    void add(const Counts& c) {
-        active += c.active;
-        nonFinite += c.nonFinite;
-        negative += c.negative;
-        maxValue = std::max(maxValue, c.maxValue);
-    }
-};
-
-Counts clean(float* values) {
-    // Written so that compilers vectorise it: no branches, 32-bit counts, and the maximum taken over the bits of the
-    // values, whose order is that of non-negative floats.
-    constexpr float kLargest = std::numeric_limits<float>::max();
-    std::int32_t active = 0, nonFinite = 0, negative = 0, largest = 0;
-    for (int i = 0; i < kBlockVoxels; ++i) {
-        const float v = values[i];
-        const bool positive = (v >= kSmallest) & (v <= kLargest);
-        active += positive;
-        nonFinite += !((v >= -kLargest) & (v <= kLargest));
-        negative += (v >= -kLargest) & (v <= -kSmallest);
-        const float kept = positive ? v : 0.0f;  // also turns -0 into 0
-        values[i] = kept;
-        largest = std::max(largest, std::bit_cast<std::int32_t>(kept));
-    }
-    Counts counts;
-    counts.active = static_cast<std::uint64_t>(active);
-    counts.nonFinite = static_cast<std::uint64_t>(nonFinite);
-    counts.negative = static_cast<std::uint64_t>(negative);
-    counts.maxValue = std::bit_cast<float>(largest);
-    return counts;
-}
 
 [[noreturn]] void refuse(const std::string& name, const std::string& reason) {
     throw Error(ErrorKind::input, "grid '" + shortened(name, 80) + "': " + reason);
@@ -165,23 +128,18 @@ void joinTiles(std::vector<ConstantTile>& tiles) {
     std::sort(tiles.begin(), tiles.end(), byOrigin);
 }
 
-void addTiles(const FieldPieces& pieces, SparseField& field, Counts& counts) {
-    for (const ConstantTile& tile : pieces.tiles) {
-        const auto edge = static_cast<std::uint64_t>(tile.edge);
-        const std::uint64_t voxels = edge * edge * edge;
-        Counts one;
-        if (!std::isfinite(tile.value))
-            one.nonFinite = voxels;
-        else if (tile.value <= -kSmallest)
-            one.negative = voxels;
-        else if (tile.value >= kSmallest) {
-            one.active = voxels;
-            one.maxValue = tile.value;
-            field.tiles.push_back(tile);
-        }
-        counts.add(one);
+/// For each of `origins`, its place in lattice order. Sorts them.
+std::vector<std::uint32_t> sortOrigins(const std::string& name, std::vector<Int3>& origins) {
+    if (origins.size() > std::numeric_limits<std::uint32_t>::max()) refuse(name, "it has too many blocks");
+    std::vector<std::pair<Int3, std::uint32_t>> sorted(origins.size());
+    for (std::uint32_t i = 0; i < sorted.size(); ++i) sorted[i] = {origins[i], i};
+    std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return originLess(a.first, b.first); });
+    std::vector<std::uint32_t> places(origins.size());
+    for (std::uint32_t i = 0; i < sorted.size(); ++i) {
+        origins[i] = sorted[i].first;
+        places[sorted[i].second] = i;
     }
-    joinTiles(field.tiles);
+    return places;
 }
 
 }  // namespace
@@ -210,56 +168,112 @@ void checkPieces(const FieldPieces& pieces) {
     checkOverlap(pieces.name, pieces.blockOrigins, pieces.tiles);
 }
 
-SparseField buildField(FieldPieces pieces) {
-    // The target place of each block.
-    const std::size_t count = pieces.blockOrigins.size();
-    std::vector<std::size_t> order(count);
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    const auto less = [&](std::size_t a, std::size_t b) {
-        return originLess(pieces.blockOrigins[a], pieces.blockOrigins[b]);
-    };
-    std::sort(order.begin(), order.end(), less);
-    std::vector<Int3> origins(count);
-    for (std::size_t i = 0; i < count; ++i) origins[i] = pieces.blockOrigins[order[i]];
-    pieces.blockOrigins.swap(origins);
-    checkPieces(pieces);
+FieldFill::FieldFill(FieldPieces pieces, BlockMemory& memory)
+    : m_pieces(std::move(pieces)), m_memory(memory), m_places(sortOrigins(m_pieces.name, m_pieces.blockOrigins)) {
+    checkPieces(m_pieces);
+    m_values = m_memory.take(blockCount());
+    m_counts.resize(blockCount());
+}
 
-    // The cleaned values, in that order.
-    const std::shared_ptr<float[]> values = std::make_shared_for_overwrite<float[]>(count * kBlockVoxels);
-    std::vector<Counts> perBlock(count);
-    parallelFor((count + kBlocksPerTask - 1) / kBlocksPerTask, [&](std::size_t task) {
-        const std::size_t end = std::min(count, (task + 1) * kBlocksPerTask);
-        for (std::size_t i = task * kBlocksPerTask; i < end; ++i) {
-            float* block = values.get() + i * kBlockVoxels;
-            pieces.fill(order[i], block);
-            perBlock[i] = clean(block);
+FieldFill::~FieldFill() {
+    if (m_values) m_memory.shrink(m_values.get(), blockCount(), 0);  // it was never finished
+}
+
+void FieldFill::Counts::add(const Counts& c) {
+    active += c.active;
+    nonFinite += c.nonFinite;
+    negative += c.negative;
+    maxValue = std::max(maxValue, c.maxValue);
+}
+
+FieldFill::Counts FieldFill::clean(float* values) {
+    // Written so that compilers vectorise it: no branches, 32-bit counts, and the maximum taken over the bits of the
+    // values, whose order is that of non-negative floats.
+    constexpr float kLargest = std::numeric_limits<float>::max();
+    std::int32_t active = 0, nonFinite = 0, negative = 0, largest = 0;
+    for (int i = 0; i < kBlockVoxels; ++i) {
+        const float v = values[i];
+        const bool positive = (v >= kSmallest) & (v <= kLargest);
+        active += positive;
+        nonFinite += !((v >= -kLargest) & (v <= kLargest));
+        negative += (v >= -kLargest) & (v <= -kSmallest);
+        const float kept = positive ? v : 0.0f;  // also turns -0 into 0
+        values[i] = kept;
+        largest = std::max(largest, std::bit_cast<std::int32_t>(kept));
+    }
+    Counts counts;
+    counts.active = static_cast<std::uint64_t>(active);
+    counts.nonFinite = static_cast<std::uint64_t>(nonFinite);
+    counts.negative = static_cast<std::uint64_t>(negative);
+    counts.maxValue = std::bit_cast<float>(largest);
+    return counts;
+}
+
+void FieldFill::filled(std::size_t i) {
+    m_counts[m_places[i]] = clean(block(i));
+}
+
+void FieldFill::addTiles(SparseField& field, Counts& counts) const {
+    for (const ConstantTile& tile : m_pieces.tiles) {
+        const auto edge = static_cast<std::uint64_t>(tile.edge);
+        const std::uint64_t voxels = edge * edge * edge;
+        Counts one;
+        if (!std::isfinite(tile.value))
+            one.nonFinite = voxels;
+        else if (tile.value <= -kSmallest)
+            one.negative = voxels;
+        else if (tile.value >= kSmallest) {
+            one.active = voxels;
+            one.maxValue = tile.value;
+            field.tiles.push_back(tile);
         }
-    });
+        counts.add(one);
+    }
+    joinTiles(field.tiles);
+}
 
+SparseField FieldFill::finish() {
     // Closes the gaps that blocks without any value leave.
     SparseField field;
     Counts total;
+    const std::size_t count = blockCount();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        total.add(perBlock[i]);
-        if (perBlock[i].active == 0) continue;
+        total.add(m_counts[i]);
+        if (m_counts[i].active == 0) continue;
         if (kept != i)
-            std::memcpy(values.get() + kept * kBlockVoxels, values.get() + i * kBlockVoxels,
+            std::memcpy(m_values.get() + kept * kBlockVoxels, m_values.get() + i * kBlockVoxels,
                         kBlockVoxels * sizeof(float));
-        pieces.blockOrigins[kept++] = pieces.blockOrigins[i];
+        m_pieces.blockOrigins[kept++] = m_pieces.blockOrigins[i];
     }
-    pieces.blockOrigins.resize(kept);
-    addTiles(pieces, field, total);
+    m_pieces.blockOrigins.resize(kept);
+    if (kept < count) m_memory.shrink(m_values.get(), count, kept);
+    addTiles(field, total);
 
-    field.name = pieces.name;
-    field.wsFromIs = pieces.wsFromIs;
-    field.blockOrigins = std::move(pieces.blockOrigins);
-    field.blockValues = std::shared_ptr<const float>(values, values.get());
+    field.name = m_pieces.name;
+    field.wsFromIs = m_pieces.wsFromIs;
+    field.blockOrigins = std::move(m_pieces.blockOrigins);
+    field.blockValues = std::shared_ptr<const float>(m_values, m_values.get());
+    m_values.reset();
     field.activeVoxels = total.active;
     field.nonFinite = total.nonFinite;
     field.negative = total.negative;
     field.maxValue = total.maxValue;
     return field;
+}
+
+SparseField buildField(FieldPieces pieces) {
+    BlockMemory memory;
+    const auto fill = std::move(pieces.fill);
+    FieldFill field(std::move(pieces), memory);
+    parallelFor((field.blockCount() + kBlocksPerTask - 1) / kBlocksPerTask, [&](std::size_t task) {
+        const std::size_t end = std::min(field.blockCount(), (task + 1) * kBlocksPerTask);
+        for (std::size_t i = task * kBlocksPerTask; i < end; ++i) {
+            fill(i, field.block(i));
+            field.filled(i);
+        }
+    });
+    return field.finish();
 }
 
 void reportCleaning(const SparseField& field, const std::string& where, const MessageSink& messages) {

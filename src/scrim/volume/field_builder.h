@@ -4,11 +4,14 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/volume/block_memory.h>
 #include <scrim/volume/sparse_field.h>
 
 #include <array>
+#include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -45,6 +48,43 @@ void checkPieces(const FieldPieces& pieces);
 /// and blocks and tiles without a value above 0 are removed. The result does not depend on the number of threads.
 /// Throws as `checkPieces` does.
 SparseField buildField(FieldPieces pieces);
+
+/// Makes a field whose values arrive block by block, in any order and from several threads at a time. Cleans, counts
+/// and sorts as `buildField`, which is made of this.
+class FieldFill {
+  public:
+    /// Takes all of `pieces` but `fill`, which is not called. `memory` must outlive this object. Throws as
+    /// `checkPieces`.
+    FieldFill(FieldPieces pieces, BlockMemory& memory);
+    ~FieldFill();
+    FieldFill(const FieldFill&) = delete;
+    FieldFill& operator=(const FieldFill&) = delete;
+
+    std::size_t blockCount() const { return m_places.size(); }
+    /// The place of the 512 values of block i, by its index in `blockOrigins`.
+    float* block(std::size_t i) const { return m_values.get() + std::size_t{m_places[i]} * kBlockVoxels; }
+    /// Cleans and counts block i; called once for each block after its values were written.
+    void filled(std::size_t i);
+    /// The field, once all blocks are filled. Called once.
+    SparseField finish();
+
+  private:
+    struct Counts {
+        std::uint64_t active = 0;
+        std::uint64_t nonFinite = 0;
+        std::uint64_t negative = 0;
+        float maxValue = 0;
+        void add(const Counts& c);
+    };
+    static Counts clean(float* values);
+    void addTiles(SparseField& field, Counts& counts) const;
+
+    FieldPieces m_pieces;  ///< origins sorted
+    BlockMemory& m_memory;
+    std::vector<std::uint32_t> m_places;  ///< of block i in that order
+    std::shared_ptr<float[]> m_values;
+    std::vector<Counts> m_counts;  ///< of each block in that order
+};
 
 /// Sends one warning "`where`: grid 'name': ..." with the numbers of cleaned values, if there are any.
 void reportCleaning(const SparseField& field, const std::string& where, const MessageSink& messages);

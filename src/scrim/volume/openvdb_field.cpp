@@ -23,38 +23,6 @@ namespace {
 /// grid could grow without bounds. (The box counts, not the active part; a frustum fills about half of it.)
 constexpr double kMaxResampledVoxels = 1e9;
 
-/// OpenVDB multiplies rows from the left: its row i is the image of axis i, which is GLM's column i.
-Mat4 fromOpenVdb(const openvdb::math::Transform& transform) {
-    const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
-    Mat4 out;
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) out[i][j] = m(i, j);
-    return out;
-}
-
-Int3 fromOpenVdb(const openvdb::Coord& c) {
-    return {c.x(), c.y(), c.z()};
-}
-
-template <typename Grid>
-std::vector<const typename Grid::TreeType::LeafNodeType*> leaves(const Grid& grid) {
-    std::vector<const typename Grid::TreeType::LeafNodeType*> list;
-    grid.tree().getNodes(list);
-    return list;
-}
-
-/// Calls `visit(origin, edge, value)` for every active tile.
-template <typename Grid, typename Visit>
-void visitTiles(const Grid& grid, const Visit& visit) {
-    auto tile = grid.tree().cbeginValueOn();
-    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
-    for (; tile; ++tile) {
-        openvdb::CoordBBox box;
-        tile.getBoundingBox(box);
-        visit(box.min(), box.max().x() - box.min().x() + 1, tile.getValue());
-    }
-}
-
 /// The grid resampled on an affine lattice of world-aligned cubes, as large as the smallest edge of a voxel in the
 /// grid's middle.
 openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& grid, const std::string& where,
@@ -85,36 +53,29 @@ openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& grid, const std::str
     return out;
 }
 
-/// The active voxels of a grid, with `numberOf` applied to each value.
-template <typename Grid, typename NumberOf>
-SparseField convert(const Grid& grid, const std::string& name, const NumberOf& numberOf) {
-    const auto list = leaves(grid);
-    FieldPieces pieces;
-    pieces.name = name;
-    pieces.wsFromIs = fromOpenVdb(grid.transform());
-    pieces.blockOrigins.reserve(list.size());
-    for (const auto* leaf : list) pieces.blockOrigins.push_back(fromOpenVdb(leaf->origin()));
-    visitTiles(grid, [&](const openvdb::Coord& origin, int edge, const auto& value) {
-        pieces.tiles.push_back({fromOpenVdb(origin), edge, numberOf(value)});
-    });
+/// The active voxels of a grid.
+template <typename Grid>
+SparseField convert(const Grid& grid, const FieldChoice& choice) {
+    const auto list = leavesOf(grid);
+    FieldPieces pieces = frameOf(grid, list, choice);
     pieces.fill = [&](std::size_t i, float* values) {
         const auto& mask = list[i]->valueMask();
         const auto* from = list[i]->buffer().data();
         for (openvdb::Index w = 0; w < kBlockVoxels / 64; ++w, from += 64, values += 64) {
             const auto on = mask.template getWord<std::uint64_t>(w);
-            for (openvdb::Index n = 0; n < 64; ++n) values[n] = (on >> n & 1) != 0 ? numberOf(from[n]) : 0.0f;
+            for (openvdb::Index n = 0; n < 64; ++n) values[n] = (on >> n & 1) != 0 ? choice.of(from[n]) : 0.0f;
         }
     };
     return buildField(std::move(pieces));
 }
 
 /// As `convert`, with the file named in errors and a warning about cleaned values.
-template <typename Grid, typename NumberOf>
-SparseField reportedField(const Grid& grid, const std::string& name, const NumberOf& numberOf, const std::string& where,
+template <typename Grid>
+SparseField reportedField(const Grid& grid, const FieldChoice& choice, const std::string& where,
                           const MessageSink& messages) {
     SparseField field;
     try {
-        field = convert(grid, name, numberOf);
+        field = convert(grid, choice);
     } catch (const Error& error) {
         throw Error(error.kind(), where + ": " + error.what());
     }
@@ -122,15 +83,11 @@ SparseField reportedField(const Grid& grid, const std::string& name, const Numbe
     return field;
 }
 
-/// Converts a number without changing it.
-constexpr auto kAsItIs = [](float value) { return value; };
-
-template <typename NumberOf>
-SparseField scalarField(const openvdb::GridBase& base, const NumberOf& number, const std::string& where,
+SparseField scalarField(const openvdb::GridBase& base, const FieldChoice& choice, const std::string& where,
                         const MessageSink& messages) {
     const auto& grid = static_cast<const openvdb::FloatGrid&>(base);
-    if (grid.transform().isLinear()) return reportedField(grid, grid.getName(), number, where, messages);
-    return reportedField(*resampled(grid, where, messages), grid.getName(), number, where, messages);
+    if (grid.transform().isLinear()) return reportedField(grid, choice, where, messages);
+    return reportedField(*resampled(grid, where, messages), choice, where, messages);
 }
 
 /// A grid with the same active voxels, to each of whose values `valueOf` is applied.
@@ -146,24 +103,13 @@ typename Out::Ptr sameVoxels(const Grid& grid, const ValueOf& valueOf) {
     return out;
 }
 
-template <typename NumberOf>
-SparseField componentField(const openvdb::GridBase& base, int component, const std::string& name,
-                           const NumberOf& numberOf, const std::string& where, const MessageSink& messages) {
+SparseField componentField(const openvdb::GridBase& base, const FieldChoice& choice, const std::string& where,
+                           const MessageSink& messages) {
     const auto& grid = static_cast<const openvdb::Vec3SGrid&>(base);
-    if (!grid.transform().isLinear()) {
-        const auto one = sameVoxels<openvdb::FloatGrid>(grid, [&](const auto& value) { return value[component]; });
-        one->setName(name);
-        return scalarField(*one, numberOf, where, messages);
-    }
-    const auto number = [&](const auto& value) { return numberOf(value[component]); };
-    return reportedField(grid, name, number, where, messages);
-}
-
-/// Component `c` of a staggered grid lies half a voxel below the voxel's centre (openvdb/tools/Interpolation.h).
-void placeOnFaces(SparseField& field, int c) {
-    Mat4 isFromFace(1.0);
-    isFromFace[3][c] = -0.5;
-    field.wsFromIs = field.wsFromIs * isFromFace;
+    if (grid.transform().isLinear()) return reportedField(grid, choice, where, messages);
+    const auto one = sameVoxels<openvdb::FloatGrid>(grid, [&](const auto& value) { return value[choice.component]; });
+    one->setName(fieldName(grid.getName(), choice));
+    return scalarField(*one, {GridRequest::kScalar, choice.part}, where, messages);
 }
 
 /// Value range and counts of unusable values in one part of a grid.
@@ -192,7 +138,7 @@ struct Statistics {
 
 template <typename Grid>
 Statistics statistics(const Grid& grid) {
-    const auto list = leaves(grid);
+    const auto list = leavesOf(grid);
     constexpr std::size_t kLeavesPerTask = 64;
     std::vector<Statistics> parts((list.size() + kLeavesPerTask - 1) / kLeavesPerTask);
     parallelFor(parts.size(), [&](std::size_t task) {
@@ -210,6 +156,35 @@ Statistics statistics(const Grid& grid) {
 }
 
 }  // namespace
+
+Int3 fromOpenVdb(const openvdb::Coord& c) {
+    return {c.x(), c.y(), c.z()};
+}
+
+// OpenVDB multiplies rows from the left: its row i is the image of axis i, which is GLM's column i.
+Mat4 fromOpenVdb(const openvdb::math::Transform& transform) {
+    const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
+    Mat4 out;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) out[i][j] = m(i, j);
+    return out;
+}
+
+std::string fieldName(const std::string& grid, const FieldChoice& choice) {
+    if (choice.component == GridRequest::kScalar) return grid;
+    constexpr std::array<const char*, 3> kColours{".r", ".g", ".b"}, kAxes{".x", ".y", ".z"};
+    return grid + (choice.part == GridPart::whole ? kColours : kAxes).at(std::size_t(choice.component));
+}
+
+// Component `c` of a staggered grid lies half a voxel below the voxel's centre (openvdb/tools/Interpolation.h).
+void placeOnFaces(SparseField& field, const openvdb::GridBase& grid, const FieldChoice& choice) {
+    if (choice.component == GridRequest::kScalar || choice.part == GridPart::whole ||
+        grid.getGridClass() != openvdb::GRID_STAGGERED || !grid.transform().isLinear())
+        return;
+    Mat4 isFromFace(1.0);
+    isFromFace[3][choice.component] = -0.5;
+    field.wsFromIs = field.wsFromIs * isFromFace;
+}
 
 void interpolateInto(openvdb::GridBase& out, const openvdb::GridBase& grid) {
     out.apply<FloatGrids>([&](auto& typed) {
@@ -280,31 +255,23 @@ SparseField fieldFromGrid(openvdb::GridBase::Ptr grid, const std::string& where,
         grid = grid->deepCopyGrid();
         levelSetIntoFog(*grid, where, messages);
     }
-    return scalarField(*grid, kAsItIs, where, messages);
+    return scalarField(*grid, {}, where, messages);
 }
 
 SparseField colourFromGrid(openvdb::GridBase::Ptr grid, int component, const std::string& where,
                            const MessageSink& messages) {
     grid = inFloats(std::move(grid));
-    if (component == GridRequest::kScalar) return scalarField(*grid, kAsItIs, where, messages);
-    constexpr std::array<const char*, 3> kLetters{".r", ".g", ".b"};
-    return componentField(*grid, component, grid->getName() + kLetters.at(std::size_t(component)), kAsItIs, where,
-                          messages);
+    if (component == GridRequest::kScalar) return scalarField(*grid, {}, where, messages);
+    return componentField(*grid, {component}, where, messages);
 }
 
 SparseField velocityFromGrid(openvdb::GridBase::Ptr grid, int component, bool negative, const std::string& where,
                              const MessageSink& messages) {
     grid = inFloats(std::move(grid));
-    // NaN and infinity pass unchanged, so that cleaning finds them.
-    const auto number = [negative](float value) {
-        const float v = negative ? -value : value;
-        return v < 0 ? 0.0f : v;
-    };
-    if (component == GridRequest::kScalar) return scalarField(*grid, number, where, messages);
-    constexpr std::array<const char*, 3> kLetters{".x", ".y", ".z"};
-    SparseField field = componentField(*grid, component, grid->getName() + kLetters.at(std::size_t(component)), number,
-                                       where, messages);
-    if (grid->getGridClass() == openvdb::GRID_STAGGERED && grid->transform().isLinear()) placeOnFaces(field, component);
+    const FieldChoice choice{component, negative ? GridPart::negative : GridPart::positive};
+    if (component == GridRequest::kScalar) return scalarField(*grid, choice, where, messages);
+    SparseField field = componentField(*grid, choice, where, messages);
+    placeOnFaces(field, *grid, choice);
     return field;
 }
 

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/volume/field_builder.h>
 #include <scrim/volume/grid_choice.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_info.h>
 
 #include <string>
+#include <vector>
 
 #include <openvdb/openvdb.h>
 
@@ -17,6 +19,63 @@ namespace scrim {
 using FloatGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Vec3SGrid>;
 /// Scalar grids of other numbers than real ones.
 using WholeGrids = openvdb::TypeList<openvdb::Int32Grid, openvdb::Int64Grid, openvdb::BoolGrid, openvdb::MaskGrid>;
+
+Int3 fromOpenVdb(const openvdb::Coord& c);
+/// The matrix of an affine transform.
+Mat4 fromOpenVdb(const openvdb::math::Transform& transform);
+
+/// What of a grid becomes a field.
+struct FieldChoice {
+    int component = GridRequest::kScalar;  ///< of a vec3 grid; kScalar for a scalar grid
+    GridPart part = GridPart::whole;       ///< `positive` and `negative` are those of a velocity
+    /// The number in the field that stands for `value`. NaN and infinity pass unchanged, so that cleaning finds them.
+    float operator()(float value) const {
+        if (part == GridPart::whole) return value;
+        const float v = part == GridPart::negative ? -value : value;
+        return v < 0 ? 0.0f : v;
+    }
+    /// The same for the value of a voxel.
+    float of(float value) const { return (*this)(value); }
+    float of(const openvdb::Vec3s& value) const { return (*this)(value[component]); }
+};
+/// The name of that field of the grid called `grid`.
+std::string fieldName(const std::string& grid, const FieldChoice& choice);
+/// Moves the component of a staggered velocity to the faces of voxels; leaves every other field unchanged.
+void placeOnFaces(SparseField& field, const openvdb::GridBase& grid, const FieldChoice& choice);
+
+/// The leaves of a grid's tree, in the order in which files hold them.
+template <typename Grid>
+std::vector<const typename Grid::TreeType::LeafNodeType*> leavesOf(const Grid& grid) {
+    std::vector<const typename Grid::TreeType::LeafNodeType*> list;
+    grid.tree().getNodes(list);
+    return list;
+}
+
+/// Calls `visit(origin, edge, value)` for every active tile.
+template <typename Grid, typename Visit>
+void visitTiles(const Grid& grid, const Visit& visit) {
+    auto tile = grid.tree().cbeginValueOn();
+    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+    for (; tile; ++tile) {
+        openvdb::CoordBBox box;
+        tile.getBoundingBox(box);
+        visit(box.min(), box.max().x() - box.min().x() + 1, tile.getValue());
+    }
+}
+
+/// All of the field that `choice` means but its values, which are those of `leaves`, block by block.
+template <typename Grid, typename Leaf>
+FieldPieces frameOf(const Grid& grid, const std::vector<const Leaf*>& leaves, const FieldChoice& choice) {
+    FieldPieces pieces;
+    pieces.name = fieldName(grid.getName(), choice);
+    pieces.wsFromIs = fromOpenVdb(grid.transform());
+    pieces.blockOrigins.reserve(leaves.size());
+    for (const Leaf* leaf : leaves) pieces.blockOrigins.push_back(fromOpenVdb(leaf->origin()));
+    visitTiles(grid, [&](const openvdb::Coord& origin, int edge, const auto& value) {
+        pieces.tiles.push_back({fromOpenVdb(origin), edge, choice.of(value)});
+    });
+    return pieces;
+}
 
 /// Gives the grid a name and a place.
 void placeGrid(openvdb::GridBase& grid, const std::string& name, const Mat4& wsFromIs);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/volume/block_memory.h>
 #include <scrim/volume/grid_request.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_bytes.h>
@@ -16,9 +17,9 @@ namespace scrim {
 class GridEditor;
 
 /// The fields that `requests` mean, in their order. Each message is sent once, although a grey grid is read once for
-/// each component.
+/// each component. Values lie in `memory` where they can be read straight into it.
 std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
-                                    const MessageSink& messages);
+                                    const MessageSink& messages, BlockMemory& memory);
 /// The same of grids that were edited, or put together from several files.
 std::vector<SparseField> readFields(const VdbFiles& files, const std::vector<GridRequest>& requests,
                                     const GridEditor& editor, const MessageSink& messages);

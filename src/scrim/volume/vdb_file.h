@@ -8,6 +8,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/volume/block_memory.h>
 #include <scrim/volume/grid_request.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_info.h>
@@ -33,6 +34,9 @@ class VdbFile {
     /// The same for a file that is already open, or in memory.
     static VdbFile open(const VdbBytes& bytes);
     static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests);
+    /// The same for fields alone: values are read straight into `memory` where that is possible, on all threads, and
+    /// info() then knows nothing of the grid.
+    static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests, BlockMemory& memory);
     /// The same with the grids edited, or put together from several files, before they can be requested; messages are
     /// about that.
     static VdbFile open(const VdbFiles& files, const std::vector<GridRequest>& requests, const GridEditor& editor,

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <scrim/volume/ax_module.h>
+#include <scrim/volume/block_memory.h>
 #include <scrim/volume/vdb_bytes.h>
 #include <scrim/volume/vdb_file.h>
 #include <scrim/volume/vdb_write.h>
@@ -27,9 +28,11 @@ struct VdbFile::Content {
     virtual std::string asFile() const = 0;
 };
 
-/// Each implements the function that calls it: VdbFile::open (null: read the whole file, for no particular requests),
+/// Each implements the function that calls it: VdbFile::open (null requests: read the whole file; null memory: read all
+/// fields from grids),
 /// VdbFile::of, writeVdb and writeVdbGrids.
-std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests);
+std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
+                                                 BlockMemory* memory);
 std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbFiles& files, const std::vector<GridRequest>* requests,
                                                        const GridEditor& editor, const MessageSink& messages);
 std::unique_ptr<VdbFile::Content> editedContent(const std::vector<SparseField>& fields, const std::string& name,
@@ -50,7 +53,7 @@ struct VdbModule {
 };
 
 /// The single function that the module exports. The name must change whenever anything above changes.
-#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_5"
+#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_6"
 using VdbModuleFunction = const VdbModule* (*)();
 
 /// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where it cannot be

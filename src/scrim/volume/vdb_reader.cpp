@@ -2,6 +2,7 @@
 #include <scrim/volume/vdb_module.h>
 
 #include <scrim/base/error.h>
+#include <scrim/volume/direct_fields.h>
 #include <scrim/volume/grid_choice.h>
 #include <scrim/volume/grid_combiner.h>
 #include <scrim/volume/grid_editor.h>
@@ -13,8 +14,10 @@
 #include <algorithm>
 #include <cstring>
 #include <istream>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <span>
 #include <sstream>
 #include <streambuf>
@@ -37,6 +40,7 @@ struct ParsedVdb : VdbFile::Content {
     openvdb::GridPtrVec grids;      ///< one for each of `offers`; null where it was not read
     /// One for each of `offers`, why it was not read; or empty if there were no problems.
     std::vector<std::string> problems;
+    std::map<GridRequest, SparseField> direct;  ///< fields that were read without a grid
     /// Where grids are put together: the names of all that there may be, and "; a.vdb holds 'smoke' (float)".
     std::vector<std::string> combined;
     std::string sources;
@@ -188,9 +192,35 @@ std::unique_ptr<ParsedVdb> readNano(const VdbBytes& file, std::unique_ptr<Parsed
     return content;
 }
 
-/// Opens the file for `requests` and the grids called `others`, or for all grids.
+/// Reads fields of `places` without their grids where that is possible, and removes those from `places`.
+void readDirectly(const VdbBytes& file, ParsedVdb& content, const std::vector<GridRequest>& requests,
+                  std::vector<std::size_t>& places, BlockMemory& memory) {
+    struct Wanted {
+        std::vector<GridRequest> requests;
+        std::vector<DirectField> fields;
+    };
+    std::map<std::size_t, Wanted> grids;
+    for (const GridRequest& request : std::set<GridRequest>(requests.begin(), requests.end())) {
+        const auto choice = chooseGrid(content.offers, request);
+        if (!choice) continue;
+        Wanted& wanted = grids[choice->grid];
+        wanted.requests.push_back(request);
+        const bool scalar = request.component == GridRequest::kScalar && choice->component == GridRequest::kScalar;
+        wanted.fields.push_back({{choice->component, request.part}, scalar && request.part == GridPart::whole});
+    }
+    for (const auto& [place, wanted] : grids) {
+        std::vector<SparseField> fields = directFields(file, content.layout, place, wanted.fields, memory);
+        if (fields.empty()) continue;
+        for (std::size_t i = 0; i < fields.size(); ++i)
+            content.direct.emplace(wanted.requests[i], std::move(fields[i]));
+        std::erase(places, place);
+    }
+}
+
+/// Opens the file for `requests` and the grids called `others`, or for all grids. `memory` (null: there is none) is for
+/// fields that need no grid.
 std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequest>* requests,
-                                const std::vector<std::string>& others = {}) {
+                                const std::vector<std::string>& others = {}, BlockMemory* memory = nullptr) {
     const std::string& path = file.path();
     auto content = std::make_unique<ParsedVdb>();
     content->path = path;
@@ -200,9 +230,14 @@ std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequ
     std::optional<std::vector<std::size_t>> places;
     if (requests) places = neededGrids(content->layout, *requests, others);
     if (content->layout.isNano) return readNano(file, std::move(content), places);
-    std::vector<char> bytes = places ? partOfFile(file, content->layout, *places) : allOfFile(file);
 
     openvdb::initialize();
+    if (places && memory != nullptr) readDirectly(file, *content, *requests, *places, *memory);
+    if (places && places->empty() && !content->direct.empty()) {
+        content->grids.resize(content->offers.size());
+        return content;
+    }
+    std::vector<char> bytes = places ? partOfFile(file, content->layout, *places) : allOfFile(file);
     if (!places) {
         places.emplace(content->offers.size());
         std::iota(places->begin(), places->end(), std::size_t{0});
@@ -348,6 +383,10 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
         refuse(fmt::format("no grid '{}' among those of 'grids': '{}'{}", shortened(request.grid, 80),
                            fmt::join(combined, "', '"), sources));
     if (!choice) refuse(whyNoGrid(offers, request));
+    if (const auto found = direct.find(request); found != direct.end()) {
+        reportCleaning(found->second, path, messages);
+        return found->second;
+    }
     const openvdb::GridBase::Ptr& grid = grids[choice->grid];
     if (!grid) refuse(fmt::format("grid '{}' was not requested when the file was opened", shortened(request.grid, 80)));
     if (layout.isNewer)
@@ -380,8 +419,9 @@ std::unique_ptr<ParsedVdb> withinMemory(const std::string& path, const Task& tas
 }  // namespace
 
 /// As `read`; a file that is too large becomes the reason of the error.
-std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests) {
-    return withinMemory(file.path(), [&] { return read(file, requests); });
+std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
+                                                 BlockMemory* memory) {
+    return withinMemory(file.path(), [&] { return read(file, requests, {}, memory); });
 }
 
 std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbFiles& files, const std::vector<GridRequest>* requests,

@@ -7,10 +7,13 @@
 #include "support/expect_error.h"
 #include "support/temp_folder.h"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,6 +35,8 @@ struct Transfer {
         ASSERT_EQ(::pwrite(fd, all.data(), all.size(), 0), static_cast<ssize_t>(all.size()));
     }
 };
+
+constexpr std::size_t kBlockBytes = kBlockVoxels * sizeof(float);
 
 SparseField sample(const std::string& name) {
     FieldBuilder builder(name, Mat4{{2, 0, 1, 0}, {0, 3, 0, 0}, {0, 1, 4, 0}, {10, 20, 30, 1}});
@@ -99,6 +104,71 @@ TEST(FieldTransfer, WorksThroughARegularFileToo) {
     ::close(fd);
 }
 
+/// A field of `count` blocks, the last `empty` of which hold nothing, made in `memory`.
+SparseField madeIn(BlockMemory& memory, std::size_t count, std::size_t empty) {
+    FieldPieces pieces;
+    pieces.name = "made";
+    for (std::size_t i = 0; i < count; ++i) pieces.blockOrigins.push_back({8 * static_cast<int>(count - i), 0, 0});
+    FieldFill fill(std::move(pieces), memory);
+    for (std::size_t i = 0; i < count; ++i) {
+        std::fill_n(fill.block(i), kBlockVoxels, i < empty ? 0.0f : static_cast<float>(i + 1));
+        fill.filled(i);
+    }
+    return fill.finish();
+}
+
+std::uint64_t bytesInMemory(int fd) {
+    struct stat status {};
+    EXPECT_EQ(::fstat(fd, &status), 0);
+    return static_cast<std::uint64_t>(status.st_blocks) * 512;
+}
+
+TEST(FieldTransfer, HandsOverFieldsMadeInPlaceWithoutACopy) {
+    constexpr std::size_t kBlocks = 3000, kEmpty = 1000;  // more than a large page
+    const Transfer transfer;
+    const pid_t child = ::fork();
+    if (child == 0) {
+        TransferBlocks blocks(transfer.fd);
+        std::vector<SparseField> fields{sample("before")};
+        fields.push_back(madeIn(blocks, kBlocks, kEmpty));
+        fields.push_back(madeIn(blocks, 5, 0));
+        sendFields(transfer.fd, fields, {}, &blocks);
+        ::_exit(0);
+    }
+    int status = -1;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_EQ(status, 0);
+    // The memory of blocks without values went back to the system.
+    EXPECT_LT(bytesInMemory(transfer.fd), (kBlocks - kEmpty) * kBlockBytes + (std::uint64_t{4} << 20));
+    const ReceivedFields received = receiveFields(transfer.fd);
+    ASSERT_EQ(received.fields.size(), 3u);
+    BlockMemory memory;
+    const std::vector<SparseField> expected{sample("before"), madeIn(memory, kBlocks, kEmpty), madeIn(memory, 5, 0)};
+    for (std::size_t f = 0; f < 3; ++f) {
+        const SparseField& field = received.fields[f];
+        ASSERT_EQ(field.blockOrigins, expected[f].blockOrigins);
+        EXPECT_EQ(std::memcmp(field.block(0), expected[f].block(0), field.blockCount() * kBlockBytes), 0);
+        EXPECT_EQ(field.activeVoxels, expected[f].activeVoxels);
+        EXPECT_EQ(field.maxValue, expected[f].maxValue);
+    }
+}
+
+TEST(FieldTransfer, RefusesValuesThatLieInItsContents) {
+    const Transfer source;
+    sendFields(source.fd, {sample("a")}, {});
+    const std::string whole = source.bytes();
+    std::uint64_t contents = 0;
+    std::memcpy(&contents, whole.data() + 16, sizeof contents);
+    for (const std::uint64_t valuesAt :
+         {contents, contents + 64, whole.size(), std::uint64_t{1} << 63, std::uint64_t{1}}) {
+        std::string bytes = whole;
+        std::memcpy(bytes.data() + contents, &valuesAt, sizeof valuesAt);  // the first number of the first field
+        const Transfer transfer;
+        transfer.replace(bytes);
+        EXPECT_EQ(incompleteReason(transfer.fd), "what was read is incomplete: its values lie elsewhere");
+    }
+}
+
 TEST(FieldTransfer, ThrowsTheErrorThatWasSent) {
     const Transfer transfer;
     sendError(transfer.fd, Error(ErrorKind::memory, "a.vdb: too large"));
@@ -137,7 +207,9 @@ TEST(FieldTransfer, NeverBelievesDamagedBytes) {
     const Transfer source;
     sendFields(source.fd, {sample("a")}, {{Severity::info, "m"}});
     const std::string whole = source.bytes();
-    for (std::size_t at = 0; at < 500; ++at)
+    // The header, and the contents behind the values.
+    constexpr std::size_t kHeader = 64;
+    for (std::size_t at = 0; at < whole.size(); at = at + 1 == kHeader ? kHeader + 2 * kBlockBytes : at + 1)
         for (const int bit : {0, 3, 7}) {
             std::string damaged = whole;
             damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
@@ -161,7 +233,7 @@ TEST(FieldTransfer, RefusesValuesThatNoFieldMayHold) {
         const Transfer source;
         sendFields(source.fd, {sample("a")}, {});
         std::string bytes = source.bytes();
-        std::memcpy(bytes.data() + bytes.size() - sizeof bad, &bad, sizeof bad);
+        std::memcpy(bytes.data() + 64 + 2 * kBlockBytes - sizeof bad, &bad, sizeof bad);  // behind the header
         const Transfer transfer;
         transfer.replace(bytes);
         EXPECT_EQ(incompleteReason(transfer.fd),
