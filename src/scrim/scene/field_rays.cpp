@@ -4,7 +4,9 @@
 #include <scrim/base/parallel.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -51,8 +53,15 @@ struct ValueBins {
     std::vector<double> count = std::vector<double>(kCount), sum = std::vector<double>(kCount);
 
     static int of(float value) {
-        const double octave = std::log2(double(value)) + 128;
-        return std::clamp(static_cast<int>(octave * kPerOctave), 0, kCount - 1);
+        // A logarithm for each voxel would take longer than reading it: the exponent and three comparisons give the
+        // same bin, since no float is so near to a root of two that a logarithm could not tell them apart.
+        static_assert(kPerOctave == 4);
+        constexpr std::int32_t kOne = 127 << 23, kMantissa = (1 << 23) - 1;
+        const auto bits = std::bit_cast<std::int32_t>(value);
+        if (bits < 1 << 23) return 0;                                     // denormal
+        const auto in = std::bit_cast<float>((bits & kMantissa) | kOne);  // in [1, 2)
+        const int quarters = (in > 0x1.306fep+0f) + (in > 0x1.6a09e6p+0f) + (in > 0x1.ae89f8p+0f);
+        return ((bits >> 23) + 1) * kPerOctave + quarters;
     }
     /// The least value of a bin.
     static float lowest(std::size_t bin) { return static_cast<float>(std::exp2(double(bin) / kPerOctave - 128)); }

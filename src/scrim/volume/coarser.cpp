@@ -121,6 +121,38 @@ float taken(float value, float beside) {
     return value > beside ? std::min(wanted, beside / 6) : std::max(wanted, -value / 6);
 }
 
+/// A row of a block along z.
+using Row = std::array<float, kBlockEdge>;
+
+/// Sharpens the row (x, y) of a block. `sides`: the blocks below and above it along each axis; null: its voxels take
+/// nothing from there.
+void sharpenRow(const float* own, const std::array<const float*, 6>& sides, int x, int y, float* out) {
+    const float* const values = own + blockOffset(x, y, 0);
+    Row sharp;
+    std::copy_n(values, kBlockEdge, sharp.begin());
+    const auto take = [&](const float* beside) {
+        for (std::size_t z = 0; z < kBlockEdge; ++z) sharp[z] += taken(values[z], beside[z]);
+    };
+    for (int axis = 0; axis < 2; ++axis)
+        for (int up = 0; up < 2; ++up) {
+            Int3 beside(x, y, 0);
+            beside[axis] += up ? 1 : -1;
+            const bool outside = (beside[axis] & ~(kBlockEdge - 1)) != 0;
+            const float* const from = outside ? sides[std::size_t(2 * axis + up)] : own;
+            if (from != nullptr) take(from + blockOffset(beside.x & (kBlockEdge - 1), beside.y & (kBlockEdge - 1), 0));
+        }
+    constexpr int kLast = kBlockEdge - 1;
+    // From a voxel of the same value, nothing is taken.
+    Row below, above;
+    std::copy_n(values, kLast, below.begin() + 1);
+    std::copy_n(values + 1, kLast, above.begin());
+    below.front() = sides[4] != nullptr ? sides[4][blockOffset(x, y, kLast)] : values[0];
+    above.back() = sides[5] != nullptr ? sides[5][blockOffset(x, y, 0)] : values[kLast];
+    take(below.data());
+    take(above.data());
+    for (int z = 0; z < kBlockEdge; ++z) out[z] = std::min(sharp[std::size_t(z)], std::numeric_limits<float>::max());
+}
+
 SparseField sharpened(const SparseField& field) {
     const BlockIndex index(field);
     FieldPieces pieces;
@@ -138,22 +170,7 @@ SparseField sharpened(const SparseField& field) {
                 sides[std::size_t(2 * axis + up)] = index.at(cube).values;
             }
         for (int x = 0; x < kBlockEdge; ++x)
-            for (int y = 0; y < kBlockEdge; ++y)
-                for (int z = 0; z < kBlockEdge; ++z) {
-                    const Int3 at(x, y, z);
-                    const float value = own[blockOffset(x, y, z)];
-                    float sharp = value;
-                    for (int axis = 0; axis < 3; ++axis)
-                        for (int up = 0; up < 2; ++up) {
-                            Int3 beside = at;
-                            beside[axis] += up ? 1 : -1;
-                            const bool outside = (beside[axis] & ~(kBlockEdge - 1)) != 0;
-                            const float* from = outside ? sides[std::size_t(2 * axis + up)] : own;
-                            const Int3 in = beside & (kBlockEdge - 1);
-                            if (from != nullptr) sharp += taken(value, from[blockOffset(in.x, in.y, in.z)]);
-                        }
-                    values[blockOffset(x, y, z)] = std::min(sharp, std::numeric_limits<float>::max());
-                }
+            for (int y = 0; y < kBlockEdge; ++y) sharpenRow(own, sides, x, y, values + blockOffset(x, y, 0));
     };
     return buildField(std::move(pieces));
 }
