@@ -4,6 +4,7 @@
 #include <scrim/base/parallel.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -37,31 +38,41 @@ void visitBlocks(const SparseField& field, const Visit& visit) {
 
 /// Box around the centres of the voxels that are above 0 and at least `least`.
 Bounds occupiedIn(const float* values, const Int3& origin, float least = 0) {
-    const auto occupied = [&](int n) { return values[n] > 0 && values[n] >= least; };
+    const auto occupied = [&](float value) { return value > 0 && value >= least; };
     Bounds b;
-    if (occupied(0) && occupied(kBlockVoxels - 1)) return {Vec3(origin), Vec3(origin + (kBlockEdge - 1))};
+    if (occupied(values[0]) && occupied(values[kBlockVoxels - 1]))
+        return {Vec3(origin), Vec3(origin + (kBlockEdge - 1))};
+    unsigned inZ = 0;  // a bit for each z at which any voxel is occupied
     for (int x = 0; x < kBlockEdge; ++x)
-        for (int y = 0; y < kBlockEdge; ++y)
-            for (int z = 0; z < kBlockEdge; ++z)
-                if (occupied(blockOffset(x, y, z))) b.include(Vec3(origin) + Vec3(x, y, z));
+        for (int y = 0; y < kBlockEdge; ++y) {
+            const float* const row = values + blockOffset(x, y, 0);
+            unsigned bits = 0;
+            for (int z = 0; z < kBlockEdge; ++z) bits |= static_cast<unsigned>(occupied(row[z])) << z;
+            inZ |= bits;
+            if (bits != 0) b.include(Vec3(origin) + Vec3(x, y, 0));
+        }
+    if (inZ == 0) return b;
+    b.lower.z = origin.z + std::countr_zero(inZ);
+    b.upper.z = origin.z + static_cast<int>(std::bit_width(inZ)) - 1;
     return b;
 }
 
 /// A histogram of voxels over values, with bins of a quarter of a power of two: number and sum of values in each.
 struct ValueBins {
     static constexpr int kPerOctave = 4, kCount = 256 * kPerOctave;
+    static constexpr int kMantissaBits = 23;
+    static constexpr std::int32_t kImplied = 1 << kMantissaBits, kMantissa = kImplied - 1;
     std::vector<double> count = std::vector<double>(kCount), sum = std::vector<double>(kCount);
 
-    static int of(float value) {
-        // A logarithm for each voxel would take longer than reading it: the exponent and three comparisons give the
-        // same bin, since no float is so near to a root of two that a logarithm could not tell them apart.
+    static int of(float value) { return ofBits(std::bit_cast<std::int32_t>(value)); }
+    /// The bin of the value with these bits. A logarithm for each voxel would take longer than reading it: the exponent
+    /// and three comparisons give the same bin, since no float is so near to a root of two that a logarithm could not
+    /// tell them apart. Denormal values share a bin with 0, which no voxel above 0 is in.
+    static int ofBits(std::int32_t bits) {
         static_assert(kPerOctave == 4);
-        constexpr std::int32_t kOne = 127 << 23, kMantissa = (1 << 23) - 1;
-        const auto bits = std::bit_cast<std::int32_t>(value);
-        if (bits < 1 << 23) return 0;                                     // denormal
-        const auto in = std::bit_cast<float>((bits & kMantissa) | kOne);  // in [1, 2)
-        const int quarters = (in > 0x1.306fep+0f) + (in > 0x1.6a09e6p+0f) + (in > 0x1.ae89f8p+0f);
-        return ((bits >> 23) + 1) * kPerOctave + quarters;
+        const std::int32_t mantissa = bits & kMantissa;
+        const int quarters = (mantissa > 0x1837F0) + (mantissa > 0x3504F3) + (mantissa > 0x5744FC);
+        return bits < kImplied ? 0 : ((bits >> kMantissaBits) + 1) * kPerOctave + quarters;
     }
     /// The least value of a bin.
     static float lowest(std::size_t bin) { return static_cast<float>(std::exp2(double(bin) / kPerOctave - 128)); }
@@ -82,11 +93,46 @@ double total(const std::vector<double>& bins) {
     return std::accumulate(bins.begin(), bins.end(), 0.0);
 }
 
+/// Counts the voxels of some blocks. All values of a bin have one exponent, so that their sum is that of whole numbers,
+/// and exact; a bin is one number that holds both, the voxels above the sum.
+class BlockBins {
+  public:
+    static constexpr std::size_t kMostBlocks = 64;  // the sum of so many mantissas stays below kVoxel
+
+    void add(const float* values) {
+        // Neighbours often fall into one bin, and the next addition to that would have to wait for the last.
+        for (std::size_t i = 0; i < kBlockVoxels; i += m_bins.size())
+            for (std::size_t k = 0; k < m_bins.size(); ++k) {
+                const auto bits = std::bit_cast<std::int32_t>(values[i + k]);
+                m_bins[k][std::size_t(ValueBins::ofBits(bits))] +=
+                    kVoxel + std::uint64_t((bits & ValueBins::kMantissa) | ValueBins::kImplied);
+            }
+    }
+    void moveTo(ValueBins& all) {
+        for (std::size_t bin = ValueBins::kPerOctave; bin < ValueBins::kCount; ++bin) {
+            std::uint64_t both = 0;
+            for (auto& bins : m_bins) both += bins[bin];
+            const int exponent = static_cast<int>(bin) / ValueBins::kPerOctave - 1;
+            all.count[bin] += double(both / kVoxel);
+            all.sum[bin] += std::ldexp(double(both % kVoxel), exponent - 127 - ValueBins::kMantissaBits);
+        }
+        m_bins = {};
+    }
+
+  private:
+    static constexpr std::uint64_t kVoxel = std::uint64_t{1} << 40;
+    std::array<std::array<std::uint64_t, ValueBins::kCount>, 2> m_bins{};
+};
+
 ValueBins binsOf(const SparseField& field) {
     std::vector<ValueBins> parts(taskCount(field));
-    visitBlocks(field, [&](std::size_t task, std::size_t i) {
-        for (int k = 0; k < kBlockVoxels; ++k)
-            if (const float v = field.block(i)[k]; v > 0) parts[task].add(v, 1);
+    parallelFor(parts.size(), [&](std::size_t task) {
+        BlockBins bins;
+        const std::size_t end = std::min(field.blockCount(), (task + 1) * kBlocksPerTask);
+        for (std::size_t i = task * kBlocksPerTask; i < end; ++i) {
+            bins.add(field.block(i));
+            if ((i + 1) % BlockBins::kMostBlocks == 0 || i + 1 == end) bins.moveTo(parts[task]);
+        }
     });
     ValueBins all;
     for (const ValueBins& part : parts) all.add(part);

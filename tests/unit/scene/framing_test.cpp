@@ -10,6 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -79,6 +82,65 @@ TEST(FieldRays, FindTheOccupiedCells) {
     one.blockValues = std::shared_ptr<const float>(values, values->data());
     EXPECT_EQ(isOccupied(one).lower, Vec3(1.5, 2.5, 3.5));
     EXPECT_EQ(isOccupied(one).upper, Vec3(2.5, 3.5, 4.5));
+}
+
+TEST(FieldRays, FindTheOccupiedCellsOfAnyVoxels) {
+    for (int seed = 0; seed < 200; ++seed) {
+        const Int3 origin(8 * (seed % 5 - 2), 8 * (seed % 7 - 3), 8 * (seed % 3 - 1));
+        auto values = std::make_shared<std::vector<float>>(kBlockVoxels, 0.0f);
+        Bounds expected;
+        for (int k = 0; k <= seed % 3; ++k) {
+            const Int3 at(seed * (3 + k) % 8, (seed / 8 + 5 * k) % 8, (seed * 7 + k) % 8);
+            values->at(static_cast<std::size_t>(blockOffset(at.x, at.y, at.z))) = 0.5f;
+            expected.include(Vec3(origin + at) - 0.5);
+            expected.include(Vec3(origin + at) + 0.5);
+        }
+        SparseField field = blocks({origin}, 0, Mat4(1.0));
+        field.blockValues = std::shared_ptr<const float>(values, values->data());
+        EXPECT_EQ(isOccupied(field).lower, expected.lower) << seed;
+        EXPECT_EQ(isOccupied(field).upper, expected.upper) << seed;
+    }
+}
+
+/// As negligibleIn, by the definition: in steps of a quarter of a power of two.
+Negligible negligibleByLogarithms(const std::vector<float>& values) {
+    std::map<int, std::pair<double, double>> bins;  // number and sum
+    double sum = 0, voxels = 0;
+    for (const float v : values) {
+        if (!(v > 0)) continue;
+        auto& [number, total] = bins[static_cast<int>(std::floor(4 * std::log2(double(v))))];
+        ++number;
+        total += double(v);
+        ++voxels;
+        sum += double(v);
+    }
+    double above = 0;
+    auto core = bins.rbegin();
+    while (2 * (above += core->second.second) < sum) ++core;
+    const int least = core->first + static_cast<int>(4 * std::log2(1e-4));
+    Negligible out{static_cast<float>(std::exp2(least / 4.0)), 0};
+    for (const auto& [bin, content] : bins)
+        if (bin < least) out.part += content.first / voxels;
+    return out;
+}
+
+TEST(FieldRays, SortValuesAsLogarithmsDo) {
+    constexpr std::size_t kBlocks = 130;
+    std::vector<Int3> origins;
+    for (std::size_t i = 0; i < kBlocks; ++i) origins.push_back({0, 0, 8 * static_cast<int>(i)});
+    SparseField field = blocks(origins, 0, Mat4(1.0));
+    for (const double scale : {1e-30, 1.0, 1e30}) {
+        auto values = std::make_shared<std::vector<float>>(kBlocks * kBlockVoxels, 0.0f);
+        for (std::size_t i = 0; i < values->size(); ++i) {
+            // At the borders of steps, and beside them.
+            const auto border = static_cast<float>(scale * std::exp2(double(i * i % 120) / 4 - 20));
+            (*values)[i] = i % 5 == 0 ? 0 : i % 5 == 1 ? std::nextafter(border, 0.0f) : border;
+        }
+        field.blockValues = std::shared_ptr<const float>(values, values->data());
+        const Negligible found = negligibleIn(field), expected = negligibleByLogarithms(*values);
+        EXPECT_EQ(found.below, expected.below) << scale;
+        EXPECT_NEAR(found.part, expected.part, 1e-12) << scale;
+    }
 }
 
 TEST(FieldRays, IntegrateBlocksAndTiles) {
