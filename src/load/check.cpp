@@ -4,7 +4,9 @@
 #include "answered_calls.h"
 #include "confine.h"
 #include "fork.h"
+#include "read_volume.h"
 
+#include <scrim/base/parallel.h>
 #include <scrim/guard/load_protocol.h>
 #include <scrim/volume/loaded_source.h>
 
@@ -13,6 +15,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -23,6 +26,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -109,6 +113,16 @@ void checkThreads(Check& expect) {
     constexpr Rights kRights = Rights::threads;
     expect(kRights, "starting a thread", 0, [] { std::thread([] {}).join(); });
     expect(kRights, "freeing a thread's memory", 0, fillAndFreeInThread);
+    expect(kRights, "starting the threads of a loop", 0, [] {
+        allowThreads();
+        parallelFor(100, [](std::size_t) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+    });
+    expect(kRights, "moving no other process", 0, [] {
+        cpu_set_t processors;
+        CPU_ZERO(&processors);
+        CPU_SET(0, &processors);
+        answerMustBe(::sched_setaffinity(1, sizeof processors, &processors) == -1 && errno == ENOSYS);
+    });
     const auto openFile = [] { (void)::open("/dev/null", O_RDONLY); };
     expect(kRights, "opening a file", SIGSYS, openFile);
     expect(kRights, "opening a file in a thread", SIGSYS, [&] { std::thread(openFile).join(); });

@@ -82,6 +82,11 @@ class Filter {
     void allowWith(long call, unsigned argument, std::uint32_t value) {
         add(SCMP_ACT_ALLOW, call, hasBits(argument, 0xFFFFFFFF, value));
     }
+    /// The same; with any other value it fails without being made.
+    void allowOnlyFor(long call, unsigned argument, std::uint32_t value, int error) {
+        allowWith(call, argument, value);
+        add(SCMP_ACT_ERRNO(std::uint32_t(error)), call, {argument, SCMP_CMP_NE, value, 0});
+    }
 
     /// Returns 0 or the errno of the first call that failed.
     int install() { return m_problem != 0 ? m_problem : -::seccomp_load(m_context); }
@@ -110,7 +115,8 @@ void allowThreads(Filter& filter) {
     filter.allowWithBit(SYS_clone, 0, CLONE_THREAD);
     filter.refuse(SYS_clone3, ENOSYS);  // a filter cannot see its flags; callers then fall back to the call above
     for (const long call : {SYS_set_robust_list, SYS_rseq, SYS_clock_nanosleep}) filter.allow(call);
-    filter.refuse(SYS_sched_getaffinity, ENOSYS);  // callers can do without
+    // oneTBB keeps the processors of the thread that starts another. Other processes do not matter to anyone.
+    for (const long call : {SYS_sched_getaffinity, SYS_sched_setaffinity}) filter.allowOnlyFor(call, 0, 0, ENOSYS);
     for (const long call : {SYS_sysinfo, SYS_uname, SYS_getrusage}) filter.allow(call);
 }
 

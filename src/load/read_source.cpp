@@ -15,7 +15,6 @@ namespace scrim::load {
 
 ReadSource::ReadSource(int transfer, LoadRequest request, int input, int beside, int threads)
     : m_transfer(transfer), m_threads(threads), m_request(std::move(request)) {
-    allowThreadsWithArenas();
     try {
         m_source.emplace(m_request.source);
     } catch (const Error& error) {
@@ -37,6 +36,7 @@ void ReadSource::send() const {
 }
 
 void ReadSource::run() const {
+    allowThreadsWithArenas();
     try {
         readWithErrors("source '" + sourceNameOf(m_request.source) + "': " + m_request.path, [&] { send(); });
     } catch (const Error& error) {

@@ -59,12 +59,11 @@ ReadVolume::ReadVolume(int transfer, LoadRequest request, int input, int threads
     : m_transfer(transfer),
       m_threads(threads),
       m_request(std::move(request)),
-      m_bytes(std::make_unique<VdbBytes>(m_request.path, input)) {
-    allowThreads();
-}
+      m_bytes(std::make_unique<VdbBytes>(m_request.path, input)) {}
 
 /// An exception is sent in place of the result.
 void ReadVolume::run() const {
+    allowThreads();
     try {
         readWithErrors(m_request.path,
                        [&] { TaskArena(m_threads).run([&] { sendAll(m_transfer, m_request, *m_bytes); }); });

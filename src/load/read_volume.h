@@ -15,7 +15,8 @@ namespace scrim::load {
 /// From then on, parallel loops run on the calling thread.
 void prepareToRead();
 
-/// For a child: lets parallel loops start threads, all of which allocate from one arena.
+/// For a child that is confined: lets parallel loops start threads, all of which allocate from one arena. Threads that
+/// start before that would keep the capabilities of root.
 void allowThreads();
 /// As allowThreads; each has an arena of its own, which takes 64 MB of address space.
 void allowThreadsWithArenas();
