@@ -3,13 +3,13 @@
 
 #include <scrim/base/error.h>
 #include <scrim/volume/vdb_leaves.h>
+#include <scrim/volume/vdb_part.h>
 
 #include <algorithm>
 #include <deque>
 #include <istream>
 #include <memory>
 #include <new>
-#include <streambuf>
 #include <type_traits>
 
 #include <openvdb/io/Compression.h>
@@ -22,30 +22,6 @@ namespace {
 /// From this version on, leaves are stored as readLeaves expects; it cannot be known how newer files store them.
 constexpr std::uint32_t kOldest = openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
 constexpr std::uint32_t kNewest = openvdb::OPENVDB_FILE_VERSION;
-
-/// A stream over a part of a file.
-class PartBuffer : public std::streambuf {
-  public:
-    PartBuffer(const VdbBytes& file, std::uint64_t begin, std::uint64_t end) : m_file(file), m_at(begin), m_end(end) {}
-
-    /// The position in the file of the next byte.
-    std::uint64_t position() const { return m_at - static_cast<std::uint64_t>(egptr() - gptr()); }
-
-  protected:
-    int_type underflow() override {
-        const std::uint64_t size = std::min<std::uint64_t>(m_window.size(), m_end - m_at);
-        if (size == 0) return traits_type::eof();
-        m_file.copy(m_at, size, m_window.data());
-        m_at += size;
-        setg(m_window.data(), m_window.data(), m_window.data() + size);
-        return traits_type::to_int_type(*gptr());
-    }
-
-  private:
-    const VdbBytes& m_file;
-    std::uint64_t m_at, m_end;
-    std::vector<char> m_window = std::vector<char>(256 << 10);
-};
 
 /// A grid whose leaves have no values yet.
 struct TreeOfGrid {
@@ -67,7 +43,7 @@ LeafFormat formatOf(std::uint32_t compression, bool half, int channels) {
 
 /// Reads what lies before the leaves, in the order in which OpenVDB reads it (openvdb/io/Archive.cc).
 TreeOfGrid readTree(const VdbBytes& file, const VdbLayout& layout, const VdbLayout::Grid& place, bool asFog) {
-    PartBuffer buffer(file, place.begin, place.end);
+    VdbStream buffer(file, place.begin, place.end);
     std::istream stream(&buffer);
     stream.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
     openvdb::io::setVersion(stream, {layout.libraryMajor, layout.libraryMinor}, layout.fileVersion);
@@ -87,7 +63,7 @@ TreeOfGrid readTree(const VdbBytes& file, const VdbLayout& layout, const VdbLayo
     if (asFog && grid->getGridClass() == openvdb::GRID_LEVEL_SET) return out;
     grid->readTopology(stream);
     out.format = formatOf(compression, grid->saveFloatAsHalf(), grid->isType<openvdb::FloatGrid>() ? 1 : 3);
-    out.leavesAt = buffer.position();
+    out.leavesAt = place.begin + buffer.position();
     out.grid = grid;
     return out;
 }

@@ -12,15 +12,12 @@
 #include <scrim/volume/vdb_part.h>
 
 #include <algorithm>
-#include <cstring>
 #include <istream>
 #include <map>
 #include <numeric>
 #include <optional>
 #include <set>
-#include <span>
 #include <sstream>
-#include <streambuf>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -63,27 +60,6 @@ constexpr std::size_t kMetadataLimit = 200;  ///< bytes of a metadata value wort
     throw Error(ErrorKind::input, shortened(path + ": " + reason, kMessageLimit));
 }
 
-/// A stream over bytes in memory, with the seeking that OpenVDB's point grids need.
-class MemoryBuffer : public std::streambuf {
-  public:
-    explicit MemoryBuffer(std::span<char> bytes) { setg(bytes.data(), bytes.data(), bytes.data() + bytes.size()); }
-    std::size_t remaining() const { return std::size_t(egptr() - gptr()); }
-
-  protected:
-    pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
-        const off_type base = from == std::ios_base::beg   ? 0
-                              : from == std::ios_base::cur ? gptr() - eback()
-                                                           : egptr() - eback();
-        const off_type size = egptr() - eback();
-        if (offset < -base || offset > size - base) return pos_type(off_type(-1));
-        setg(eback(), eback() + (base + offset), egptr());
-        return pos_type(base + offset);
-    }
-    pos_type seekpos(pos_type at, std::ios_base::openmode mode) override {
-        return seekoff(off_type(at), std::ios_base::beg, mode);
-    }
-};
-
 /// The file is sound, but contains something unknown to this version of OpenVDB.
 class UnknownType : public Error {
     using Error::Error;
@@ -114,29 +90,19 @@ void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, c
                   kMessageLimit));
 }
 
-/// Gives a file of a newer version the last one that OpenVDB knows. OpenVDB would print a warning, which the confined
-/// process must not; the caller warns.
-void asKnownVersion(std::span<char> bytes) {
-    constexpr std::size_t kVersionAt = 8;  // behind the magic number
-    const std::uint32_t known = openvdb::OPENVDB_FILE_VERSION;
-    std::memcpy(bytes.data() + kVersionAt, &known, sizeof known);
-}
-
 /// Has OpenVDB parse `bytes` and returns the grids; everything it can throw becomes an Error.
-openvdb::GridPtrVec parse(ParsedVdb& content, std::span<char> bytes) {
+openvdb::GridPtrVec parse(ParsedVdb& content, VdbStream& bytes) {
     const std::string damaged = content.layout.isNewer
                                     ? fmt::format("file version {} is newer than what OpenVDB {} knows, or damaged: ",
                                                   content.layout.fileVersion, openvdb::getLibraryVersionString())
                                     : "truncated or damaged: ";
-    if (content.layout.isNewer) asKnownVersion(bytes);
     openvdb::GridPtrVec grids;
     try {
-        MemoryBuffer buffer(bytes);
-        std::istream stream(&buffer);
+        std::istream stream(&bytes);
         stream.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
         openvdb::io::Stream reader(stream, /*delayLoad=*/false);
-        if (buffer.remaining() > 0)
-            fail(content.path, fmt::format("{}{} bytes are left after the last grid", damaged, buffer.remaining()));
+        if (const std::uint64_t left = bytes.size() - bytes.position(); left > 0)
+            fail(content.path, fmt::format("{}{} bytes are left after the last grid", damaged, left));
         grids = *reader.getGrids();
         const openvdb::MetaMap::Ptr metadata = reader.getMetadata();
         for (auto entry = metadata->beginMeta(); entry != metadata->endMeta(); ++entry)
@@ -157,13 +123,18 @@ openvdb::GridPtrVec parse(ParsedVdb& content, std::span<char> bytes) {
     return grids;
 }
 
+/// The version of the file, or the last one that OpenVDB knows.
+std::uint32_t readableVersion(const VdbLayout& layout) {
+    return layout.isNewer ? std::uint32_t{openvdb::OPENVDB_FILE_VERSION} : layout.fileVersion;
+}
+
 /// Reads each grid separately, where one of them is of a kind unknown to OpenVDB.
 void readSingly(const VdbBytes& file, ParsedVdb& content) {
     const std::size_t count = content.offers.size();
     content.grids.assign(count, nullptr);
     content.problems.assign(count, "");
     for (std::size_t i = 0; i < count; ++i) try {
-            std::vector<char> bytes = partOfFile(file, content.layout, {i});
+            VdbStream bytes(file, readableVersion(content.layout), content.layout, {i});
             checkTypes(file.path(), content.offers, {i});
             content.metadata.clear();
             const openvdb::GridPtrVec grids = parse(content, bytes);
@@ -237,7 +208,8 @@ std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequ
         content->grids.resize(content->offers.size());
         return content;
     }
-    std::vector<char> bytes = places ? partOfFile(file, content->layout, *places) : allOfFile(file);
+    const std::uint32_t version = readableVersion(content->layout);
+    VdbStream bytes = places ? VdbStream(file, version, content->layout, *places) : VdbStream(file, version);
     if (!places) {
         places.emplace(content->offers.size());
         std::iota(places->begin(), places->end(), std::size_t{0});
