@@ -84,6 +84,17 @@ bool isCarried(const SceneVolume& volume, const VolumeFile& file) {
     return file.next && volume.frameMap.between == BetweenFiles::advect && volume.velocity;
 }
 
+/// How many of `files` may be read side by side within `memory` bytes (0: no limit), and how each of them is read.
+std::pair<std::size_t, LoadOptions> readersWithin(std::size_t memory, std::size_t files, LoadOptions options) {
+    if (memory == 0 || files == 0) return {files, std::move(options)};
+    // A reader may take its limit twice: for what its library makes of the file, and for what it hands over.
+    const std::size_t readers = std::min(files, memory / (2 * LoadOptions::kLeastMemory));
+    if (readers == 0) return {0, std::move(options)};
+    const std::size_t share = memory / (2 * readers);
+    options.memory = options.memory == 0 ? share : std::min(options.memory, share);
+    return {readers, std::move(options)};
+}
+
 /// Runs `task`. An error about the grid of one of `uses` gets the place where the scene names it.
 template <typename Use, typename Task>
 void withPlaces(const std::vector<Use>& uses, const Task& task) {
@@ -310,20 +321,37 @@ void FieldStore::readAhead(const Scene& scene, const std::vector<VolumeFile>& fi
     dropKnown(uses);
     m_ahead.clear();
     std::erase_if(uses, [](const auto& entry) { return entry.first[0] != kFile; });
-    std::size_t readers = uses.size();
-    LoadOptions each = m_options;
-    if (memory > 0) {
-        // A reader may take its limit twice: for what its library makes of the file, and for what it hands over.
-        readers = std::min(readers, memory / (2 * LoadOptions::kLeastMemory));
-        if (readers == 0) return;
-        const std::size_t share = memory / (2 * readers);
-        each.memory = each.memory == 0 ? share : std::min(each.memory, share);
-    }
-    for (const auto& [origin, missing] : uses) {
-        if (m_ahead.size() == readers) break;
-        std::vector<GridRequest> requests;
-        for (const Use& use : missing) requests.push_back(use.request);
-        m_ahead.emplace_back(origin[1], requests, each, missing.front().edit.get());
+    const auto [readers, each] = readersWithin(memory, uses.size(), m_options);
+    for (const auto& [origin, missing] : uses)
+        if (m_ahead.size() < readers) begin(origin, missing, each);
+}
+
+/// Starts a child that reads a file.
+void FieldStore::begin(const Origin& origin, const std::vector<Use>& missing, const LoadOptions& options) {
+    std::vector<GridRequest> requests;
+    for (const Use& use : missing) requests.push_back(use.request);
+    m_ahead.emplace_back(origin[1], requests, options, missing.front().edit.get());
+}
+
+/// Loads the files of a frame, several of them side by side: small ones keep few threads busy.
+void FieldStore::loadFiles(const Uses& uses) {
+    constexpr std::size_t kMostReaders = 8;  // each has all threads, and is waited for in turn
+    std::vector<const Uses::value_type*> files;
+    for (const auto& use : uses)
+        if (use.first[0] == kFile) files.push_back(&use);
+    const auto [readers, each] = readersWithin(m_options.memory, std::min(files.size(), kMostReaders), m_options);
+    const bool together = m_options.volumes == VolumeLoading::guarded && readers > 1;
+    const auto isRead = [&](const std::string& path) {
+        return std::any_of(m_ahead.begin(), m_ahead.end(), [&](const auto& fields) { return fields.path() == path; });
+    };
+    for (std::size_t i = 0, begun = 0; i < files.size(); ++i) {
+        for (; together && begun < std::min(files.size(), i + readers); ++begun) try {
+                const auto& [origin, missing] = *files[begun];
+                if (!isRead(origin[1])) begin(origin, missing, each);
+            } catch (const Error&) {
+                // It occurs again, and is reported, when it is this file's turn.
+            }
+        load(files[i]->first, files[i]->second);
     }
 }
 
@@ -435,12 +463,9 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
     std::erase_if(m_fields, [&](const auto& entry) { return !used.contains(entry.first); });
     m_between.keepOnly(loadedFields());
     dropKnown(uses);
-    for (const auto& [origin, missing] : uses) {
-        if (origin[0] == kFile)
-            load(origin, missing);
-        else
-            make(origin, missing);
-    }
+    loadFiles(uses);
+    for (const auto& [origin, missing] : uses)
+        if (origin[0] != kFile) make(origin, missing);
     m_ahead.clear();
     checkRoom(scene, files);
 

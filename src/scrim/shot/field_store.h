@@ -96,6 +96,8 @@ class FieldStore {
                                       const GridEdit* edit);
     std::optional<std::vector<SparseField>> readBefore(const std::string& path,
                                                        const std::vector<GridRequest>& requests, const GridEdit* edit);
+    void begin(const Origin& origin, const std::vector<Use>& missing, const LoadOptions& options);
+    void loadFiles(const Uses& uses);
     void load(const Origin& origin, const std::vector<Use>& missing);
     void make(const Origin& origin, const std::vector<Use>& missing);
     void makeEdited(const Origin& origin, const std::vector<Use>& missing, const Grids& grids);
@@ -108,7 +110,8 @@ class FieldStore {
     std::map<Key, std::shared_ptr<const SparseField>> m_fields;
     BetweenStore m_between;
     FieldShader m_shader;
-    std::vector<GuardedFields> m_ahead;  ///< fields that children are reading
+    /// Fields that children are reading: those of the next frame, or of further files of this one.
+    std::vector<GuardedFields> m_ahead;
 };
 
 /// Bytes that the fields take, each counted once.

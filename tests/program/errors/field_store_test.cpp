@@ -4,6 +4,8 @@
 
 #include <scrim/shot/assemble.h>
 #include <scrim/base/error.h>
+#include <scrim/guard/field_transfer.h>
+#include <scrim/volume/vdb_file.h>
 
 #include "support/expect_error.h"
 #include "support/temp_folder.h"
@@ -11,7 +13,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
+
+#include <unistd.h>
 
 namespace scrim::cli {
 namespace {
@@ -97,6 +102,29 @@ TEST_F(FieldStoreTest, GivesAllGridsOfAVolume) {
     const Fields again = fields();
     EXPECT_EQ(again[0].albedo[1], all[0].albedo[1]) << "read twice";
     EXPECT_GT(bytesOf(all), 6 * 512 * sizeof(float));
+}
+
+TEST_F(FieldStoreTest, ReadsTheFilesOfAFrameSideBySide) {
+    // Each of these loads ends only once another has begun.
+    const int sent = createTransfer();
+    SparseField sample = VdbFile::open(path()).field("density", {});
+    sendFields(sent, {sample}, {});
+    std::string bytes(static_cast<std::size_t>(::lseek(sent, 0, SEEK_END)), '\0');
+    ASSERT_EQ(::pread(sent, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
+    ::close(sent);
+    scene.volumes.push_back(volume());
+    for (std::size_t i = 0; i < 2; ++i) {
+        scene.volumes[i].file = path() + "_" + std::to_string(i);
+        test::writeBytes(scene.volumes[i].file, "with another\n" + bytes);
+    }
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    store.listen({VolumeLoading::guarded, SCRIM_ECHO_LOADER}, {}, [&] {
+        if (std::chrono::steady_clock::now() > end) throw Error(ErrorKind::interrupted, "one waits for the other");
+    });
+    const Fields all = store.fieldsOf(scene, store.filesOf(scene), VolumesOf::scene);
+    ASSERT_EQ(all.size(), 2u);
+    EXPECT_EQ(all[0].density->activeVoxels, 1000u);
+    EXPECT_EQ(all[1].density->activeVoxels, 1000u);
 }
 
 TEST_F(FieldStoreTest, ReadersOfTheNextFrameShareTheMemoryThatIsLeft) {
