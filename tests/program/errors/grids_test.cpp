@@ -119,7 +119,9 @@ class GridTypes : public ProgramTest {
     static void expectNear(const std::vector<float>& a, const std::vector<float>& b, double part) {
         ASSERT_EQ(a.size(), b.size());
         for (std::size_t i = 0; i < a.size(); ++i)
-            if (i % 4 != 3) EXPECT_NEAR(a[i], b[i], part * std::abs(b[i]) + 1e-5) << i;  // alpha has no colours
+            if (i % 4 != 3) {  // alpha has no colours
+                EXPECT_NEAR(a[i], b[i], part * std::abs(b[i]) + 1e-5) << i;
+            }
     }
     static std::vector<MadeColour> colours(const Vec3& value) {
         std::vector<MadeColour> out;
