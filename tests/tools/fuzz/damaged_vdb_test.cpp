@@ -28,7 +28,7 @@ struct Kind {
     std::vector<MadeGrid> grids;
     Container container = Container::file;
     std::optional<NanoCodec> nano = {};  ///< a NanoVDB file
-    std::string name(const char* what) const { return what + std::string(nano ? ".nvdb" : ".vdb"); }
+    std::string name(const char* stem) const { return stem + std::string(nano ? ".nvdb" : ".vdb"); }
     void make(const std::string& path) const { nano ? makeNvdb(path, grids, *nano) : makeVdb(path, grids, container); }
 };
 
