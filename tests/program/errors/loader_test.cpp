@@ -60,6 +60,11 @@ TEST_F(Loader, IsConfined) {
     EXPECT_EQ(said,
               "computing: allowed\nopening a file: killed\nmaking a socket: killed\nforking: killed\n"
               "running a program: killed\nkilling another process: killed\naborting: killed\n"
+              "with threads\nstarting a thread: allowed\nfreeing a thread's memory: allowed\n"
+              "starting the threads of a loop: allowed\nmoving no other process: allowed\n"
+              "opening a file: killed\nopening a file in a thread: killed\n"
+              "opening a file in a thread from before: killed\nforking: killed\nforking in a thread: killed\n"
+              "running a program: killed\nmaking a socket: killed\nloading code: killed\n"
               "with volume sources loaded (mesh, noise, primitives, scan)\n"
               "opening the file: allowed\nopening the one beside it: allowed\nfinding no other file: allowed\n"
               "starting a thread: allowed\nstarting no process: allowed\nwriting to the file: killed\n"

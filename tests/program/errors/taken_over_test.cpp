@@ -30,6 +30,7 @@
 namespace scrim::test {
 namespace {
 
+constexpr std::size_t kValuesAt = 64;  // of the first field, behind the header
 const LoadOptions kTakenOver{VolumeLoading::guarded, SCRIM_ECHO_LOADER};
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
@@ -174,10 +175,10 @@ TEST_F(TakenOver, FieldsComeThroughWhereTheyAreSound) {
 TEST_F(TakenOver, FieldsOfASourceThatCannotBeAreRefused) {
     const std::string good = field();
     EXPECT_EQ(refusedFields(sent([](int fd) { sendFields(fd, {}, {}); })), "no grid was made");
-    EXPECT_EQ(refusedFields(with(good, good.size() - 4, kNan)),
-              "its blocks hold values that are negative or not finite");
-    EXPECT_EQ(refusedFields(with(good, good.size() - 4, -1.0f)),
-              "its blocks hold values that are negative or not finite");
+    constexpr std::size_t kLastValue = kValuesAt + (kBlockVoxels - 1) * sizeof(float);
+    for (const float bad : {kNan, -1.0f, -0.0f})
+        EXPECT_EQ(refusedFields(with(good, kLastValue, bad)), "its blocks hold values that are negative or not finite");
+    EXPECT_EQ(refusedFields(with(good, good.size() - 4, -1.0f)), "a tile holds a value that is not above 0");
     EXPECT_EQ(refusedFields(picture()), "it holds something else");
     const std::uint64_t many = std::uint64_t{1} << 60;
     for (const std::size_t count : {offsetof(TransferHeader, fields), offsetof(TransferHeader, messages)})
@@ -191,7 +192,8 @@ TEST_F(TakenOver, FieldsOfASourceThatCannotBeAreRefused) {
 
 TEST_F(TakenOver, AnyDamagedBitOfASourcesFieldIsRefusedOrHarmless) {
     const std::string good = field();
-    for (std::size_t at = 0; at < 400; ++at)
+    const std::size_t contents = kValuesAt + kBlockVoxels * sizeof(float);  // what is said of the field
+    for (std::size_t at = 0; at < good.size(); at = at + 1 == kValuesAt ? contents : at + 1)
         for (const int bit : {0, 4, 7}) {
             std::string bad = good;
             bad[at] = static_cast<char>(bad[at] ^ (1 << bit));
