@@ -47,6 +47,7 @@ foreach(
     shot/shot_frame.h
     shot/shot_options.h
     solid/triangle_mesh.h
+    volume/block_memory.h
     volume/field_builder.h
     volume/grid_request.h
     volume/scrim_source.h # for volume sources, in C

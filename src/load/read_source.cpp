@@ -30,8 +30,9 @@ void ReadSource::send() const {
     std::vector<TransferMessage> messages;
     const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
     TaskArena(m_threads).run([&] {
-        const std::vector<SparseField> fields = m_source->run(m_request.parameters, hear, {}, true);
-        sendFields(m_transfer, fields, messages);
+        TransferBlocks blocks(m_transfer);
+        const std::vector<SparseField> fields = m_source->run(m_request.parameters, hear, {}, blocks, true);
+        sendFields(m_transfer, fields, messages, &blocks);
     });
 }
 

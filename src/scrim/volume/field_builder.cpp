@@ -264,6 +264,10 @@ SparseField FieldFill::finish() {
 
 SparseField buildField(FieldPieces pieces) {
     BlockMemory memory;
+    return buildField(std::move(pieces), memory);
+}
+
+SparseField buildField(FieldPieces pieces, BlockMemory& memory) {
     const auto fill = std::move(pieces.fill);
     FieldFill field(std::move(pieces), memory);
     parallelFor((field.blockCount() + kBlocksPerTask - 1) / kBlocksPerTask, [&](std::size_t task) {
@@ -307,10 +311,15 @@ void FieldBuilder::addTile(const ConstantTile& tile) {
 }
 
 SparseField FieldBuilder::finish() {
+    BlockMemory memory;
+    return finish(memory);
+}
+
+SparseField FieldBuilder::finish(BlockMemory& memory) {
     m_pieces.fill = [this](std::size_t i, float* values) {
         std::memcpy(values, m_values[i].data(), kBlockVoxels * sizeof(float));
     };
-    SparseField field = buildField(std::move(m_pieces));
+    SparseField field = buildField(std::move(m_pieces), memory);
     m_pieces = FieldPieces{.name = field.name, .wsFromIs = field.wsFromIs, .blockOrigins = {}, .fill = {}, .tiles = {}};
     m_values.clear();
     return field;

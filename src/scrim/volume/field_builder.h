@@ -46,7 +46,8 @@ void checkPieces(const FieldPieces& pieces);
 
 /// Cleans, counts and sorts: values that are not finite or below 0 become 0 and are counted, denormal ones become 0,
 /// and blocks and tiles without a value above 0 are removed. The result does not depend on the number of threads.
-/// Throws as `checkPieces` does.
+/// Throws as `checkPieces` does. Values lie in `memory`, or in memory of this process.
+SparseField buildField(FieldPieces pieces, BlockMemory& memory);
 SparseField buildField(FieldPieces pieces);
 
 /// Makes a field whose values arrive block by block, in any order and from several threads at a time. Cleans, counts
@@ -102,6 +103,7 @@ class FieldBuilder {
     const std::string& name() const { return m_pieces.name; }
 
     /// Returns the field, as `buildField` does. The builder is empty afterwards.
+    SparseField finish(BlockMemory& memory);
     SparseField finish();
 
   private:

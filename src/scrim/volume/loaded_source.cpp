@@ -106,7 +106,7 @@ LoadedSource::LoadedSource(const std::string& path) : m_abi(load(path)) {
 }
 
 std::vector<SparseField> LoadedSource::run(const SourceParameters& parameters, const MessageSink& messages,
-                                           const ProgressSink& progress, bool alone) const {
+                                           const ProgressSink& progress, BlockMemory& memory, bool alone) const {
     const std::string where = "source '" + m_description.name + "'";
     const ParameterValues values = parseParameters(m_description.parameters, parameters, where);
     SourceHost host(where, messages, progress, alone);
@@ -118,7 +118,7 @@ std::vector<SparseField> LoadedSource::run(const SourceParameters& parameters, c
         // an abort.
         throw Error(ErrorKind::input, where + ": it threw an exception; a source must not throw");
     }
-    return host.finish(code);
+    return host.finish(code, memory);
 }
 
 }  // namespace scrim

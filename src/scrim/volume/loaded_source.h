@@ -4,6 +4,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/volume/block_memory.h>
 #include <scrim/volume/source_parameters.h>
 #include <scrim/volume/sparse_field.h>
 
@@ -30,9 +31,10 @@ class LoadedSource {
 
     const SourceDescription& description() const { return m_description; }
 
-    /// As `generate` (source.h). `alone`: this process was made for the call and is confined (src/load).
+    /// As `generate` (source.h); values lie in `memory`. `alone`: this process was made for the call and is confined
+    /// (src/load).
     std::vector<SparseField> run(const SourceParameters& parameters, const MessageSink& messages,
-                                 const ProgressSink& progress, bool alone = false) const;
+                                 const ProgressSink& progress, BlockMemory& memory, bool alone = false) const;
 
   private:
     const scrim_source* m_abi = nullptr;

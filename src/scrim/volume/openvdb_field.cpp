@@ -55,7 +55,7 @@ openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& grid, const std::str
 
 /// The active voxels of a grid.
 template <typename Grid>
-SparseField convert(const Grid& grid, const FieldChoice& choice) {
+SparseField convert(const Grid& grid, const FieldChoice& choice, BlockMemory& memory) {
     const auto list = leavesOf(grid);
     FieldPieces pieces = frameOf(grid, list, choice);
     pieces.fill = [&](std::size_t i, float* values) {
@@ -66,16 +66,16 @@ SparseField convert(const Grid& grid, const FieldChoice& choice) {
             for (openvdb::Index n = 0; n < 64; ++n) values[n] = (on >> n & 1) != 0 ? choice.of(from[n]) : 0.0f;
         }
     };
-    return buildField(std::move(pieces));
+    return buildField(std::move(pieces), memory);
 }
 
 /// As `convert`, with the file named in errors and a warning about cleaned values.
 template <typename Grid>
 SparseField reportedField(const Grid& grid, const FieldChoice& choice, const std::string& where,
-                          const MessageSink& messages) {
+                          const MessageSink& messages, BlockMemory& memory) {
     SparseField field;
     try {
-        field = convert(grid, choice);
+        field = convert(grid, choice, memory);
     } catch (const Error& error) {
         throw Error(error.kind(), where + ": " + error.what());
     }
@@ -84,10 +84,10 @@ SparseField reportedField(const Grid& grid, const FieldChoice& choice, const std
 }
 
 SparseField scalarField(const openvdb::GridBase& base, const FieldChoice& choice, const std::string& where,
-                        const MessageSink& messages) {
+                        const MessageSink& messages, BlockMemory& memory) {
     const auto& grid = static_cast<const openvdb::FloatGrid&>(base);
-    if (grid.transform().isLinear()) return reportedField(grid, choice, where, messages);
-    return reportedField(*resampled(grid, where, messages), choice, where, messages);
+    if (grid.transform().isLinear()) return reportedField(grid, choice, where, messages, memory);
+    return reportedField(*resampled(grid, where, messages), choice, where, messages, memory);
 }
 
 /// A grid with the same active voxels, to each of whose values `valueOf` is applied.
@@ -104,12 +104,12 @@ typename Out::Ptr sameVoxels(const Grid& grid, const ValueOf& valueOf) {
 }
 
 SparseField componentField(const openvdb::GridBase& base, const FieldChoice& choice, const std::string& where,
-                           const MessageSink& messages) {
+                           const MessageSink& messages, BlockMemory& memory) {
     const auto& grid = static_cast<const openvdb::Vec3SGrid&>(base);
-    if (grid.transform().isLinear()) return reportedField(grid, choice, where, messages);
+    if (grid.transform().isLinear()) return reportedField(grid, choice, where, messages, memory);
     const auto one = sameVoxels<openvdb::FloatGrid>(grid, [&](const auto& value) { return value[choice.component]; });
     one->setName(fieldName(grid.getName(), choice));
-    return scalarField(*one, {GridRequest::kScalar, choice.part}, where, messages);
+    return scalarField(*one, {GridRequest::kScalar, choice.part}, where, messages, memory);
 }
 
 /// Value range and counts of unusable values in one part of a grid.
@@ -249,28 +249,29 @@ void levelSetIntoFog(openvdb::GridBase& grid, const std::string& where, const Me
                        shortened(grid.getName(), 80)));
 }
 
-SparseField fieldFromGrid(openvdb::GridBase::Ptr grid, const std::string& where, const MessageSink& messages) {
+SparseField fieldFromGrid(openvdb::GridBase::Ptr grid, const std::string& where, const MessageSink& messages,
+                          BlockMemory& memory) {
     grid = inFloats(std::move(grid));
     if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) {
         grid = grid->deepCopyGrid();
         levelSetIntoFog(*grid, where, messages);
     }
-    return scalarField(*grid, {}, where, messages);
+    return scalarField(*grid, {}, where, messages, memory);
 }
 
 SparseField colourFromGrid(openvdb::GridBase::Ptr grid, int component, const std::string& where,
-                           const MessageSink& messages) {
+                           const MessageSink& messages, BlockMemory& memory) {
     grid = inFloats(std::move(grid));
-    if (component == GridRequest::kScalar) return scalarField(*grid, {}, where, messages);
-    return componentField(*grid, {component}, where, messages);
+    if (component == GridRequest::kScalar) return scalarField(*grid, {}, where, messages, memory);
+    return componentField(*grid, {component}, where, messages, memory);
 }
 
 SparseField velocityFromGrid(openvdb::GridBase::Ptr grid, int component, bool negative, const std::string& where,
-                             const MessageSink& messages) {
+                             const MessageSink& messages, BlockMemory& memory) {
     grid = inFloats(std::move(grid));
     const FieldChoice choice{component, negative ? GridPart::negative : GridPart::positive};
-    if (component == GridRequest::kScalar) return scalarField(*grid, choice, where, messages);
-    SparseField field = componentField(*grid, choice, where, messages);
+    if (component == GridRequest::kScalar) return scalarField(*grid, choice, where, messages, memory);
+    SparseField field = componentField(*grid, choice, where, messages, memory);
     placeOnFaces(field, *grid, choice);
     return field;
 }

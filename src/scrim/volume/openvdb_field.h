@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/volume/block_memory.h>
 #include <scrim/volume/field_builder.h>
 #include <scrim/volume/grid_choice.h>
 #include <scrim/volume/sparse_field.h>
@@ -92,8 +93,9 @@ void interpolateInto(openvdb::GridBase& out, const openvdb::GridBase& grid);
 /// The properties of a grid by which a request chooses.
 GridOffer offerOf(const openvdb::GridBase& grid);
 
-/// The field of a scalar grid; `where` (the file) starts every message and error.
-SparseField fieldFromGrid(openvdb::GridBase::Ptr grid, const std::string& where, const MessageSink& messages);
+/// The field of a scalar grid, with its values in `memory`; `where` (the file) starts every message and error.
+SparseField fieldFromGrid(openvdb::GridBase::Ptr grid, const std::string& where, const MessageSink& messages,
+                          BlockMemory& memory);
 
 /// Turns a level set of floats into fog in place, with a message; leaves every other grid unchanged.
 void levelSetIntoFog(openvdb::GridBase& grid, const std::string& where, const MessageSink& messages);
@@ -101,13 +103,13 @@ void levelSetIntoFog(openvdb::GridBase& grid, const std::string& where, const Me
 /// The field of a colour component (0, 1, 2) of a vec3 grid, named as the grid with ".r", ".g" or ".b" added; or of a
 /// scalar grid (kScalar), which may be called a level set without being converted.
 SparseField colourFromGrid(openvdb::GridBase::Ptr grid, int component, const std::string& where,
-                           const MessageSink& messages);
+                           const MessageSink& messages, BlockMemory& memory);
 
 /// The numbers of a velocity that are above 0, or those below 0 without their sign (`negative`), as a field. It is a
 /// component of a vec3 grid, named with ".x", ".y" or ".z" (placed on the faces of voxels where the grid is staggered),
 /// or a scalar grid (kScalar).
 SparseField velocityFromGrid(openvdb::GridBase::Ptr grid, int component, bool negative, const std::string& where,
-                             const MessageSink& messages);
+                             const MessageSink& messages, BlockMemory& memory);
 
 /// Describes any grid, with the range of values of scalar ones.
 GridInfo describeGrid(const openvdb::GridBase& grid);

@@ -17,7 +17,7 @@ namespace scrim {
 class GridEditor;
 
 /// The fields that `requests` mean, in their order. Each message is sent once, although a grey grid is read once for
-/// each component. Values lie in `memory` where they can be read straight into it.
+/// each component. Values lie in `memory`.
 std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
                                     const MessageSink& messages, BlockMemory& memory);
 /// The same of grids that were edited, or put together from several files.

@@ -79,7 +79,8 @@ SourceDescription describeSource(const std::string& name) {
 
 std::vector<SparseField> generate(const std::string& name, const SourceParameters& parameters,
                                   const MessageSink& messages, const ProgressSink& progress) {
-    return LoadedSource(sourceFile(name)).run(parameters, messages, progress);
+    BlockMemory memory;
+    return LoadedSource(sourceFile(name)).run(parameters, messages, progress, memory);
 }
 
 }  // namespace scrim

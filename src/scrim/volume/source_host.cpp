@@ -109,7 +109,7 @@ void SourceHost::fail(const scrim_host* host, const char* text) noexcept {
     });
 }
 
-std::vector<SparseField> SourceHost::finish(int code) {
+std::vector<SparseField> SourceHost::finish(int code, BlockMemory& memory) {
     try {
         if (m_problem) std::rethrow_exception(m_problem);
     } catch (const std::bad_alloc&) {
@@ -121,7 +121,7 @@ std::vector<SparseField> SourceHost::finish(int code) {
     std::vector<SparseField> fields;
     for (FieldBuilder& builder : m_grids) {
         try {
-            fields.push_back(builder.finish());
+            fields.push_back(builder.finish(memory));
         } catch (const Error& error) {
             throw Error(error.kind(), m_where + ": " + error.what());
         }

@@ -24,8 +24,9 @@ class SourceHost {
     /// The pointer to pass to the source; valid as long as this object.
     const scrim_host* abi() const { return &m_abi; }
 
-    /// The grids, once `generate` has returned `code`. Throws the error of the call, if there was one.
-    std::vector<SparseField> finish(int code);
+    /// The grids, once `generate` has returned `code`; their values lie in `memory`. Throws the error of the call, if
+    /// there was one.
+    std::vector<SparseField> finish(int code, BlockMemory& memory);
 
   private:
     static SourceHost& self(const scrim_host* host) { return *static_cast<SourceHost*>(host->context); }

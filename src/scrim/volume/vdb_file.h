@@ -34,8 +34,8 @@ class VdbFile {
     /// The same for a file that is already open, or in memory.
     static VdbFile open(const VdbBytes& bytes);
     static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests);
-    /// The same for fields alone: values are read straight into `memory` where that is possible, on all threads, and
-    /// info() then knows nothing of the grid.
+    /// The same for fields alone, whose values lie in `memory`, which must outlive this object. They are read straight
+    /// into it where that is possible, on all threads, and info() then knows nothing of the grid.
     static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests, BlockMemory& memory);
     /// The same with the grids edited, or put together from several files, before they can be requested; messages are
     /// about that.

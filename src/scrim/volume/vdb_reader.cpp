@@ -38,6 +38,7 @@ struct ParsedVdb : VdbFile::Content {
     /// One for each of `offers`, why it was not read; or empty if there were no problems.
     std::vector<std::string> problems;
     std::map<GridRequest, SparseField> direct;  ///< fields that were read without a grid
+    BlockMemory* memory = nullptr;              ///< for the values of fields; null: memory of this process
     /// Where grids are put together: the names of all that there may be, and "; a.vdb holds 'smoke' (float)".
     std::vector<std::string> combined;
     std::string sources;
@@ -188,8 +189,8 @@ void readDirectly(const VdbBytes& file, ParsedVdb& content, const std::vector<Gr
     }
 }
 
-/// Opens the file for `requests` and the grids called `others`, or for all grids. `memory` (null: there is none) is for
-/// fields that need no grid.
+/// Opens the file for `requests` and the grids called `others`, or for all grids. `memory` (null: fields are
+/// made of grids, in this process) must outlive the result.
 std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequest>* requests,
                                 const std::vector<std::string>& others = {}, BlockMemory* memory = nullptr) {
     const std::string& path = file.path();
@@ -198,6 +199,7 @@ std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequ
     content->bytes = file.size();
     content->layout = checkVdbLayout(file);
     content->offers = offersOf(content->layout);
+    content->memory = memory;
     std::optional<std::vector<std::size_t>> places;
     if (requests) places = neededGrids(content->layout, *requests, others);
     if (content->layout.isNano) return readNano(file, std::move(content), places);
@@ -365,13 +367,15 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
         notify(messages, Severity::warning,
                fmt::format("{}: file version {} is newer than OpenVDB {} knows; it may have been read wrongly", path,
                            layout.fileVersion, openvdb::getLibraryVersionString()));
+    BlockMemory here;
+    BlockMemory& kept = memory != nullptr ? *memory : here;
     try {
         if (request.part != GridPart::whole)
-            return velocityFromGrid(grid, choice->component, request.part == GridPart::negative, path, messages);
+            return velocityFromGrid(grid, choice->component, request.part == GridPart::negative, path, messages, kept);
         // A scalar may be a component of a vec3 grid.
         return request.component == GridRequest::kScalar && choice->component == GridRequest::kScalar
-                   ? fieldFromGrid(grid, path, messages)
-                   : colourFromGrid(grid, choice->component, path, messages);
+                   ? fieldFromGrid(grid, path, messages, kept)
+                   : colourFromGrid(grid, choice->component, path, messages, kept);
     } catch (const Error& error) {
         if (error.kind() == ErrorKind::input) throw GridError(error.what(), request);
         throw;
