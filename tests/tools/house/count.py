@@ -27,7 +27,7 @@ WITH_MORE_PARAMETERS = 13  # functions that had more when this was first counted
 BUDGETS = {
     "scrim": 100, "scrim/engine": 1200, "scrim/engine/composite": 1800, "scrim/engine/light": 1800,
     "scrim/engine/model": 1700, "scrim/engine/plan": 2950, "scrim/engine/shade": 1800, "scrim/engine/splat": 3250,
-    "scrim/engine/cells": 2100, "scrim/engine/lamps": 600, "scrim/engine/passes": 1600, "scrim/engine/solve": 2200,
+    "scrim/engine/cells": 2350, "scrim/engine/lamps": 600, "scrim/engine/passes": 2000, "scrim/engine/solve": 2200,
     "scrim/base": 1900, "scrim/geometry": 900, "scrim/guard": 2200, "scrim/image": 4650, "scrim/scene": 10400,
     "scrim/shot": 6800, "scrim/solid": 700, "scrim/study": 1500, "scrim/verify": 4300, "scrim/volume": 6900,
     "load": 1700, "cli": 4200, "modules": 900,

@@ -99,17 +99,17 @@ void CellField::sample(const Vec3& ws, LastBlock& last, Real (&rgb)[3]) const {
     for (std::size_t c = 3; c-- > 0;) rgb[c] = rgb[m_colours == 1 ? 0 : c] * m_tint[c];
 }
 
-void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction,
-                       Real* const rgb[3]) const {
+void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3],
+                       const Real* nearer) const {
     LastBlock last;
     for (int k = 0; k < kTileSize; ++k) {
         Real found[3] = {0, 0, 0};
         if (extinction[k] != 0) {
-            const SheetPath path(plane, samples, k, extinction[k]);
+            const SheetPath path(plane, samples, k, extinction[k], nearer ? nearer[k] : Real(-1));
             sample(path.wsNear + path.wsSeen, last, found);
             if (path.thick) {
                 Real behind[3];
-                sample(path.wsFar + path.wsSeen, last, behind);
+                sample(path.wsFar + path.wsSeenFar, last, behind);
                 for (int c = 0; c < 3; ++c) found[c] += path.farther * (behind[c] - found[c]);
             }
         }

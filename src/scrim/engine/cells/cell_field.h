@@ -45,8 +45,9 @@ class CellField {
     void sample(const Vec3& ws, Real (&rgb)[3]) const;
     void sample(const Vec3& ws, LastBlock& last, Real (&rgb)[3]) const;
     /// The light at a tile of samples: kTileSize values for each colour, 0 where `extinction`, likewise kTileSize
-    /// values per world unit, is.
-    void lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3]) const;
+    /// values per world unit, is. `nearer`: null, or that of the halves of the sheet that are nearer to the eye.
+    void lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3],
+                const Real* nearer = nullptr) const;
 
     std::size_t bytes() const { return m_values.size() * sizeof(Real); }
 

@@ -5,6 +5,7 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/model/eye_view.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -24,7 +25,7 @@ struct SamplePlane {
 };
 
 /// Within a sheet light counts as the eye sees it through the part before. A thick sheet counts as two halves, since
-/// light that fades within it does so as an exponential and not evenly.
+/// light that fades within it does so as an exponential and not evenly. So does one in which a surface begins or ends.
 struct SheetPath {
     Vec3 wsMiddle;
     Vec3 ws;             ///< from where the eye's ray meets the sheet's one side to where it meets the other
@@ -32,10 +33,12 @@ struct SheetPath {
     Vec3 wsNear, wsFar;  ///< the middles of the halves that are nearer to and farther from the eye; not thick: both
                          ///< the middle
     Vec3 wsSeen;         ///< from such a middle to where light that changes evenly counts
+    Vec3 wsSeenFar;      ///< the same for the farther half
     Real farther = 0;    ///< thick: the farther half's part of what the eye sees of the sheet
 
-    /// `extinction`: per world unit, above 0.
-    SheetPath(const SamplePlane& plane, const SampleTile& samples, int k, Real extinction)
+    /// `extinction`: per world unit, above 0; that of the half that is nearer to the eye: `nearer`, or the same if it
+    /// is below 0.
+    SheetPath(const SamplePlane& plane, const SampleTile& samples, int k, Real extinction, Real nearer = -1)
         : wsMiddle(plane.wsSample(samples, k)),
           ws(plane.wsPerSheet +
              plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU + double(samples.eyeB[k]) * plane.wsPerV)) {
@@ -45,11 +48,27 @@ struct SheetPath {
         thick = tau > kThick;
         wsNear = thick ? wsMiddle + 0.25 * ahead : wsMiddle;
         wsFar = thick ? wsNear - 0.5 * ahead : wsMiddle;
-        wsSeen = (thick ? 0.5 * nearerThanMiddle(half) : nearerThanMiddle(tau)) * ahead;
+        wsSeen = wsSeenFar = (thick ? 0.5 * nearerThanMiddle(half) : nearerThanMiddle(tau)) * ahead;
         if (thick) farther = static_cast<Real>(1 / (1 + std::exp(half)));
+        if (nearer >= 0) divide(tau, std::min(double(nearer) / double(extinction), 2.0), ahead);
     }
 
   private:
+    // Halves of different extinction; `part` is the nearer one's, relative to the mean.
+    void divide(double tau, double part, const Vec3& ahead) {
+        const double first = 0.5 * tau * part, second = tau - first;
+        thick = true;
+        wsNear = wsMiddle + 0.25 * ahead;
+        wsFar = wsMiddle - 0.25 * ahead;
+        const double seen = -std::expm1(-first), behind = -std::exp(-first) * std::expm1(-second);
+        farther = static_cast<Real>(behind / (seen + behind));
+        // If extinction changes evenly, more of it lies towards the denser end.
+        const auto towardsDense = [&](double own) {
+            return std::clamp((second - first) / (12 * std::max(own, 1e-6)), -1.0 / 6, 1.0 / 6);
+        };
+        wsSeen = 0.5 * (nearerThanMiddle(first) - towardsDense(first)) * ahead;
+        wsSeenFar = 0.5 * (nearerThanMiddle(second) - towardsDense(second)) * ahead;
+    }
     // The eye sees more of the nearer part. Light that changes evenly along its path, of optical depth `tau`, counts as
     // it is at coth(tau / 2) / 2 - 1 / tau of the path before the middle.
     static double nearerThanMiddle(double tau) {

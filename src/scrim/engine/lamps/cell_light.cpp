@@ -12,9 +12,9 @@ void VolumeLight::sample(const Vec3& ws, Real (&rgb)[3]) const {
 }
 
 void VolumeLight::lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction,
-                         Real* const rgb[3]) const {
+                         Real* const rgb[3], const Real* nearer) const {
     if (field)
-        field->lookUp(plane, samples, extinction, rgb);
+        field->lookUp(plane, samples, extinction, rgb, nearer);
     else
         for (int c = 0; c < 3; ++c) std::fill_n(rgb[c], kTileSize, Real(0));
     if (lamps.empty()) return;

@@ -20,14 +20,20 @@ struct VolumeLight {
     /// The light at a point.
     void sample(const Vec3& ws, Real (&rgb)[3]) const;
     /// The light at a tile of samples (see CellField::lookUp).
-    void lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3]) const;
+    void lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3],
+                const Real* nearer = nullptr) const;
 };
+
+/// What volumes make of light on cells: media and surfaces that have scattered it evenly, and what surfaces reflect by
+/// the two parts of Phong's model.
+enum class ShownAs { scattered, diffuse, mirrored };
 
 /// The light on cells that belongs to one output.
 struct CellLight {
     std::optional<Output> output;                              ///< none: the beauty
     bool again = false;                                        ///< it has scattered before it arrives
     std::vector<std::shared_ptr<const VolumeLight>> ofVolume;  ///< for each volume of the scene; null: none
+    ShownAs as = ShownAs::scattered;
 };
 
 }  // namespace scrim

@@ -16,14 +16,17 @@ namespace {
 
 // Sharpens a row of `count` - 2 cells into `to`. `rows`: itself, those beside it, and those in the slices below and
 // above, `count` values each. A neighbour of 0 is not known.
-void sharpenRow(const std::vector<Real>& rows, std::size_t count, const std::array<Real, 3>& perBend, Real* to) {
+void sharpenRow(const std::vector<Real>& rows, std::size_t count, const std::array<Real, 3>& perBend, bool steep,
+                Real* to) {
     const Real* own = rows.data();
     for (std::size_t i = 1; i + 1 < count; ++i) {
         const Real value = own[i];
         Real bend = 0, least = value, most = value;
         const auto add = [&](Real factor, Real low, Real high) {
             if (low == 0 || high == 0) return;
-            bend += factor * (low + high - 2 * value);
+            const Real d = low + high - 2 * value;
+            bend += steep && d > 0 && value > 0 ? value * (1 - 1 / std::sqrt(std::sqrt(1 + 4 * factor * d / value)))
+                                                : factor * d;
             least = std::min({least, low, high});
             most = std::max({most, low, high});
         };
@@ -116,6 +119,40 @@ void CellSlices::refill(const std::vector<Real>& perWorldUnit) {
     });
 }
 
+void CellSlices::face(const SurfaceCells& surfaces) {
+    for (std::size_t part = 0; part < m_facing.size(); ++part) {
+        clear(m_facing[part], m_sliceAt.back());
+        const std::vector<Real>& from = surfaces.facing[part < 3 ? std::size_t(axes[part]) : part];
+        visitRows([&](std::size_t row, int i, std::size_t cell, std::size_t step) {
+            const int k = static_cast<int>(row / std::size_t(size[1] + 2)),
+                      j = static_cast<int>(row % std::size_t(size[1] + 2)) - 1;
+            const CellSpan& span = wanted[rowIndex(j, k)];
+            Real* to = m_facing[part].data() + m_sumAt[rowIndex(j, k)];
+            for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
+                to[at] = from[cell + std::size_t(at - i) * step];
+        });
+    }
+}
+
+void CellSlices::classify(const SurfaceCells* surfaces, const ExtinctionIntegral* integral) {
+    m_integral = integral;
+    if (!integral) return;
+    clear(m_values, m_extinction.size());
+    visitRows([&](std::size_t row, int i, std::size_t cell, std::size_t step) {
+        const CellSpan& span = m_kept[row];
+        Real* to = m_values.data() + m_rowAt[row];
+        for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
+            to[at] = surfaces->value[cell + std::size_t(at - i) * step];
+    });
+}
+
+CellSpan CellSlices::withValues(int j, int k) const {
+    CellSpan span;
+    for (int row = std::max(j, 0); row <= std::min(j + 1, size[1] - 1); ++row)
+        span = span.with(wanted[rowIndex(row, k)]);
+    return span;
+}
+
 // Finds the places of rows in memory. Cell 0 of the first one would be before the first that is kept.
 void CellSlices::keepRows() {
     const std::size_t lead = std::size_t(size[0]) + 1;
@@ -130,7 +167,11 @@ void CellSlices::keepRows() {
             CellSpan& kept = m_kept[row];
             for (int near = std::max(j - 1, -1); near <= std::min(j + 1, size[1]); ++near)
                 kept = kept.with(full[paddedRow(near, k)]);
-            if (j >= 0 && j < size[1]) kept = kept.with(wanted[rowIndex(j, k)]);
+            for (int slice = std::max(k - 1, 0); slice <= std::min(k + 1, size[2] - 1); ++slice)
+                for (int near = std::max(j - 1, 0); near <= std::min(j + 1, size[1] - 1); ++near) {
+                    const CellSpan& span = wanted[rowIndex(near, slice)];
+                    if (!span.empty()) kept = kept.with({span.begin - 2, span.end + 2});
+                }
             if (kept.empty()) continue;
             m_rowAt[row] = at + 1 - std::size_t(kept.begin);
             at += std::size_t(kept.end - kept.begin) + 1 + kRowSlack;
@@ -218,7 +259,7 @@ void CellSlices::visitCells(CellField& field, const Visit& visit, const Wanted& 
     });
 }
 
-void CellSlices::sharpen(std::size_t colours) {
+void CellSlices::sharpen(std::size_t colours, bool steep) {
     constexpr std::array<Real, 3> kPerBend{Real(0.1), Real(0.1), Real(1.0 / 12)};
     for (std::size_t c = 0; c < colours; ++c) {
         // This slice and the one below it, as they were.
@@ -249,7 +290,7 @@ void CellSlices::sharpen(std::size_t colours) {
                 take(2, here, j + 1, k);
                 take(3, below, j, k - 1);
                 take(4, m_sums[c], j, k + 1);
-                sharpenRow(rows, count, kPerBend, sums(c, j, k) + span.begin);
+                sharpenRow(rows, count, kPerBend, steep, sums(c, j, k) + span.begin);
             });
             std::swap(here, below);
         }
@@ -293,7 +334,9 @@ void CellSlices::addFarLight(const LampField& lamp, int colour, CellField& far) 
 }
 
 std::size_t CellSlices::bytes() const {
-    return (m_extinction.size() + m_sums[0].size() + m_sums[1].size() + m_sums[2].size()) * sizeof(Real) +
+    return (m_extinction.size() + m_sums[0].size() + m_sums[1].size() + m_sums[2].size() + 4 * m_facing[0].size() +
+            m_values.size()) *
+               sizeof(Real) +
            full.size() * (2 * sizeof(CellSpan) + sizeof(std::size_t)) +
            wanted.size() * (sizeof(CellSpan) + sizeof(std::size_t));
 }

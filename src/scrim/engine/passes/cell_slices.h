@@ -5,6 +5,7 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/cells/cell_field.h>
 #include <scrim/engine/cells/cell_grid.h>
+#include <scrim/engine/cells/surface_cells.h>
 #include <scrim/engine/lamps/lamp_field.h>
 #include <scrim/geometry/spaces.h>
 
@@ -45,6 +46,7 @@ class CellSlices {
     /// Lays slices along an axis of the world, without extinction; must be called first. Memory is used again.
     void layAlong(int axis);
 
+    double edge() const { return m_grid.edge(); }
     std::size_t paddedRow(int j, int k) const { return std::size_t(k) * std::size_t(size[1] + 2) + std::size_t(j + 1); }
     std::size_t rowIndex(int j, int k) const { return std::size_t(k) * std::size_t(size[1]) + std::size_t(j); }
     /// The extinction, per cell edge, of row j of slice k, as from i = 0 on. It may be read where a row is wanted, or
@@ -65,6 +67,21 @@ class CellSlices {
     /// second order have of the profile, scaled so that towards the corners of `wsVolumes` its mean is the profile's.
     std::tuple<double, Vec3, Mat3> seriesOf(const Light& light, const Bounds& wsVolumes) const;
 
+    /// Takes the normals of surfaces in the grid's cells, in the axes of the slices, and their weights.
+    void face(const SurfaceCells& surfaces);
+    /// The normal's components along i, j and the slices (0, 1, 2) and its weight (3) in row j of slice k, as `sums`
+    /// has light.
+    const Real* facing(std::size_t part, int j, int k) const { return m_facing[part].data() + m_sumAt[rowIndex(j, k)]; }
+
+    /// From now on the values of a field say what holds light back, by the integral of its extinction, and not `row`;
+    /// null: row does. Both must outlive this, or the next call.
+    void classify(const SurfaceCells* surfaces, const ExtinctionIntegral* integral);
+    const ExtinctionIntegral* integral() const { return m_integral; }
+    /// The field's values, as `row` has the extinction.
+    const Real* values(int j, int k) const { return m_values.data() + m_rowAt[paddedRow(j, k)]; }
+    /// The cells of rows j and j + 1 of slice k whose values may be read.
+    CellSpan withValues(int j, int k) const;
+
     /// Takes the grid's extinction, per world unit. Light is wanted up to `reach` cells from where there is any.
     void fill(const std::vector<Real>& perWorldUnit, int reach);
     /// Takes another extinction, which is 0 where that of `fill` was. Light is wanted where it was.
@@ -79,7 +96,9 @@ class CellSlices {
     /// interpolation between the centres of cells; within a slice, light is also interpolated from rays to cells. The
     /// result stays between the least and the largest of the sum and its neighbours. An axis along which a neighbour
     /// is not wanted is left out.
-    void sharpen(std::size_t colours);
+    /// `steep`: light falls as exponentials do, as it does below surfaces. Of such a one, with q = d / value, about
+    /// 1 - (1 + q / 3)^(-1/4) is too much, which is q / 12 for small q.
+    void sharpen(std::size_t colours, bool steep);
     /// Adds the sums to a field, from its colour `to` on. Its grid may have other blocks of the same cells.
     void addTo(std::size_t colours, std::size_t to, CellField& field) const;
     /// Adds to `far` the light of `lamp`, whose transmittance the sums are, at cells far from it. `colour`: the only
@@ -106,6 +125,9 @@ class CellSlices {
     std::vector<std::size_t> m_rowAt, m_sumAt;
     std::vector<std::size_t> m_sliceAt;  // for each slice, and behind the last: its first element of the sums
     std::array<std::vector<Real>, 3> m_sums;
+    std::array<std::vector<Real>, 4> m_facing;
+    std::vector<Real> m_values;  // as m_extinction
+    const ExtinctionIntegral* m_integral = nullptr;
 };
 
 }  // namespace scrim

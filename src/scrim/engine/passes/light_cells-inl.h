@@ -11,6 +11,7 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/passes/cell_slices.h>
 #include <scrim/geometry/spaces.h>
+#include <scrim/scene/classified.h>
 #include <scrim/scene/medium.h>
 #include <scrim/scene/phase_over_caps.h>
 
@@ -46,7 +47,9 @@ struct CellRays {
 
 /// What all sources of a sweep share.
 struct CellView {
-    Phase phase;  ///< towards the eye
+    Phase phase;                          ///< towards the eye
+    const Classified* surface = nullptr;  ///< Phong's model in place of the phase function
+    bool mirrored = false;                ///< its highlights alone; else its diffuse part alone
     bool parallelEye = true;
     Vec3 eye{0};  ///< its place, in the axes of CellSlices and in cells; parallel: the direction towards it
     std::size_t colours = 1;
@@ -65,6 +68,7 @@ struct CellView {
 #define SCRIM_LIGHT_CELLS_INL_H_
 #endif
 
+#include <scrim/engine/passes/values_before-inl.h>
 #include <scrim/engine/simd-inl.h>
 
 #include <cmath>
@@ -78,9 +82,35 @@ HWY_ATTR HWY_INLINE V8 transmittance(V8 tau) {
     return shortExpMinus(D8(), hn::Min(tau, value8(80)));
 }
 
+/// The transmittance below which no light is looked for within opaque matter.
+constexpr double kDark = 1e-4;
+
+/// Cells of row j of slice k, from cell i on.
+struct CellPlace {
+    int i, j, k;
+};
+
+/// The vectors from the centres of cells towards the eye.
+struct ToEye {
+    V8 x, y, z, length;
+
+    HWY_ATTR HWY_INLINE ToEye(const CellView& view, const CellPlace& cell)
+        : x(value8(view.eye.x)), y(value8(view.eye.y)), z(value8(view.eye.z)), length(value8(1)) {
+        if (view.parallelEye) return;
+        x = hn::Sub(x, hn::Add(counted(cell.i), value8(0.5)));
+        y = value8(view.eye.y - (cell.j + 0.5));
+        z = value8(view.eye.z - (cell.k + 0.5));
+        length = hn::Sqrt(hn::MulAdd(x, x, hn::MulAdd(y, y, hn::MulAdd(z, z, value8(1e-12)))));
+    }
+    HWY_ATTR HWY_INLINE V8 cosine(V8 ax, V8 ay, V8 az) const {
+        return hn::Div(hn::MulAdd(ax, x, hn::MulAdd(ay, y, hn::Mul(az, z))), length);
+    }
+};
+
 /// The phase function towards the eye, for the cells of one row.
 class TowardsEye {
   public:
+    static constexpr bool kOpaque = false;
     HWY_ATTR TowardsEye(const CellView& view)
         : m_view(view), m_lobe(view.phase.g, kSphere), m_other(view.phase.g2, kSphere, view.phase.alpha) {}
 
@@ -93,29 +123,18 @@ class TowardsEye {
         return m_view.phase.isotropic() ? double(kSphere) : phaseValue(m_view.phase, glm::dot(travel, m_view.eye));
     }
     /// For light that travels along (x, y, z), unit, at the cells with these coordinates.
-    HWY_ATTR V8 at(V8 x, V8 y, V8 z, V8 i, double j, double k) const { return valueAt(cosineAt(x, y, z, i, j, k)); }
+    HWY_ATTR V8 at(V8 x, V8 y, V8 z, const CellPlace& cell) const { return valueAt(cosineAt(x, y, z, cell)); }
     /// The same by a row (PhaseRow) in place of the phase function.
-    HWY_ATTR V8 in(const Real* row, V8 x, V8 y, V8 z, V8 i, double j, double k) const {
-        return rowAt(D8(), row, entryOf(D8(), cosineAt(x, y, z, i, j, k)));
+    HWY_ATTR V8 in(const Real* row, V8 x, V8 y, V8 z, const CellPlace& cell) const {
+        return rowAt(D8(), row, entryOf(D8(), cosineAt(x, y, z, cell)));
     }
     /// The mean over caps of these half angles.
-    HWY_ATTR V8 over(const PhaseOverCaps& caps, V8 halfAngle, V8 x, V8 y, V8 z, V8 i, double j, double k) const {
-        return capsAt(D8(), caps, halfAngle, cosineAt(x, y, z, i, j, k));
+    HWY_ATTR V8 over(const PhaseOverCaps& caps, V8 halfAngle, V8 x, V8 y, V8 z, const CellPlace& cell) const {
+        return capsAt(D8(), caps, halfAngle, cosineAt(x, y, z, cell));
     }
 
   private:
-    HWY_ATTR V8 cosineAt(V8 x, V8 y, V8 z, V8 i, double j, double k) const {
-        V8 cosine;
-        if (m_view.parallelEye) {
-            cosine = dot8(x, y, z, m_view.eye);
-        } else {
-            const V8 ex = hn::Sub(value8(m_view.eye.x), i), ey = value8(m_view.eye.y - j),
-                     ez = value8(m_view.eye.z - k);
-            const V8 length2 = hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::MulAdd(ez, ez, value8(1e-12))));
-            cosine = hn::Div(hn::MulAdd(x, ex, hn::MulAdd(y, ey, hn::Mul(z, ez))), hn::Sqrt(length2));
-        }
-        return cosine;
-    }
+    HWY_ATTR V8 cosineAt(V8 x, V8 y, V8 z, const CellPlace& cell) const { return ToEye(m_view, cell).cosine(x, y, z); }
     HWY_ATTR V8 valueAt(V8 cosine) const {
         if (m_view.phase.type == PhaseType::rayleigh) {
             const V8 directed = hn::MulAdd(value8(0.75), hn::Mul(cosine, cosine), value8(-0.25));
@@ -130,6 +149,55 @@ class TowardsEye {
     static constexpr Real kSphere = Real(1 / (4 * std::numbers::pi));
     const CellView& m_view;
     Lobe m_lobe, m_other;
+};
+
+/// What surfaces reflect towards the eye of light that arrives in the cells of one row: phong() in classified.h, of
+/// which one part is kept.
+template <bool kMirrored>
+class Reflected {
+  public:
+    static constexpr bool kOpaque = true;
+    HWY_ATTR Reflected(const CellView& view, const CellSlices& box)
+        : m_view(view),
+          m_box(box),
+          m_share(static_cast<Real>((kMirrored ? view.surface->specular : view.surface->diffuse) / std::numbers::pi)),
+          m_exponent(static_cast<Real>(view.surface->exponent)),
+          m_twoSided(view.surface->twoSided) {}
+
+    bool constantFor(bool) const { return false; }
+    double constantIn(const Real*, const Vec3&) const { return 0; }
+    double constantAt(const Vec3&) const { return 0; }
+    HWY_ATTR V8 at(V8 x, V8 y, V8 z, const CellPlace& cell) const {
+        const D8 d;
+        const auto own = [&](std::size_t part)
+                             HWY_ATTR { return hn::LoadU(d, m_box.facing(part, cell.j, cell.k) + cell.i); };
+        const V8 nx = own(0), ny = own(1), nz = own(2), weight = own(3), zero = hn::Zero(d),
+                 share = hn::Set(d, m_share);
+        const V8 cosine = hn::Neg(hn::MulAdd(nx, x, hn::MulAdd(ny, y, hn::Mul(nz, z))));
+        const V8 facing = m_twoSided ? hn::Abs(cosine) : hn::Max(cosine, zero);
+        if constexpr (!kMirrored) {
+            return hn::Mul(share, hn::Max(hn::MulAdd(weight, hn::Sub(facing, value8(1)), value8(1)), zero));
+        } else {
+            // The direction to the light is -(x, y, z).
+            const ToEye eye(m_view, cell);
+            const V8 mirrored = hn::MulAdd(hn::Add(cosine, cosine), eye.cosine(nx, ny, nz), eye.cosine(x, y, z));
+            const V8 safe = hn::Max(mirrored, value8(1e-30));
+            const V8 tau = hn::Mul(hn::Neg(hn::Log(d, safe)), hn::Set(d, m_exponent));
+            const V8 shine = hn::IfThenElseZero(hn::And(hn::Gt(facing, zero), hn::Gt(mirrored, zero)),
+                                                transmittance(hn::Max(tau, zero)));
+            return hn::Mul(share, hn::Mul(shine, weight));
+        }
+    }
+    HWY_ATTR V8 in(const Real*, V8 x, V8 y, V8 z, const CellPlace& cell) const { return at(x, y, z, cell); }
+    HWY_ATTR V8 over(const PhaseOverCaps&, V8, V8 x, V8 y, V8 z, const CellPlace& cell) const {
+        return at(x, y, z, cell);
+    }
+
+  private:
+    const CellView& m_view;
+    const CellSlices& m_box;
+    Real m_share, m_exponent;
+    bool m_twoSided;
 };
 
 /// What is left of `light` behind an optical depth; at the least what no eye sees, because tiny numbers are slow.
@@ -166,6 +234,7 @@ class ParallelRaster {
         m_stride = std::size_t(box.size[0] + std::ceil(std::abs(m_slope[0]) * box.size[2]) + 4 + 2 * kRowSlack);
         m_rows = box.size[1] + static_cast<int>(std::ceil(std::abs(m_slope[1]) * box.size[2])) + 4;
         m_through.assign(std::size_t(m_rows) * m_stride, Real(1));
+        if (box.integral()) m_before.begin(std::size_t(m_rows), m_stride);
         if (!rays.blocked) return;
         // Ray (p, q) crosses the middle of the first slice at p + begin, q + begin, from the middle of the first cell.
         const double first = slice(0) + 0.5;
@@ -179,6 +248,31 @@ class ParallelRaster {
     int rows() const { return m_rays.attenuated ? m_box.size[1] + 1 : 0; }
     int slice(int step) const { return m_down ? m_box.size[2] - 1 - step : step; }
     bool reaches(int) const { return true; }
+
+    /// What lies between the slice before and this one holds back the rays of a row, by the values of the field.
+    HWY_ATTR void attenuateTo(int step, int row) {
+        const D8 d;
+        const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
+        const int j = row - 1, k = slice(step), shift = 2 - x.whole;
+        const CellSpan span = m_box.withValues(j, k);
+        const int begin = span.begin - 1, end = span.end;
+        const CellSpan met = span.empty() ? CellSpan() : CellSpan{begin + shift, end + shift};
+        Real* before = m_before.of(std::size_t(j - y.whole + 2), met) + shift;
+        if (span.empty()) return;
+        const Real* a = m_box.values(j, k);
+        const Real* b = m_box.values(j + 1, k);
+        Real* to = through(j - y.whole) - x.whole;
+        const V8 fx = value8(x.fraction), fy = value8(y.fraction), perSlice = value8(m_perSlice * m_box.edge());
+        for (int i = begin; i < end; i += static_cast<int>(hn::Lanes(d))) {
+            const V8 value = bilinear(hn::LoadU(d, a + i), hn::LoadU(d, a + i + 1), hn::LoadU(d, b + i),
+                                      hn::LoadU(d, b + i + 1), fx, fy);
+            const V8 old = hn::LoadU(d, before + i), left = hn::LoadU(d, to + i);
+            const V8 tau = hn::Mul(perSlice, meanBetween(*m_box.integral(), old, value));
+            const auto inside = hn::Lt(counted(i), value8(end));
+            hn::StoreU(hn::IfThenElse(inside, passed(left, tau), left), d, to + i);
+            hn::StoreU(hn::IfThenElse(inside, value, old), d, before + i);
+        }
+    }
 
     /// The extinction of a slice holds back the rays of one row of those that cross it.
     HWY_ATTR void attenuate(int step, int row) {
@@ -200,7 +294,8 @@ class ParallelRaster {
     }
 
     /// Adds the light that arrives in the cells of row j of a slice.
-    HWY_ATTR void light(int step, int j, const CellView& view, const TowardsEye& towards, CellSlices& box) const {
+    template <class Towards>
+    HWY_ATTR void light(int step, int j, const CellView& view, const Towards& towards, CellSlices& box) const {
         const D8 d;
         const int k = slice(step);
         const CellSpan span = box.wanted[box.rowIndex(j, k)];
@@ -208,8 +303,7 @@ class ParallelRaster {
         const Real* far = through(j - y.whole) - x.whole;
         const Real* near = through(j - y.whole - 1) - x.whole;
         const Real* own = box.row(j, k);
-        const V8 fx = value8(x.fraction), fy = value8(y.fraction), half = value8(0.5),
-                 ownHalf = value8(0.5 * m_perSlice);
+        const V8 fx = value8(x.fraction), fy = value8(y.fraction), ownHalf = value8(0.5 * m_perSlice);
         const bool constant = towards.constantFor(true);
         const Real* row = m_rays.phaseRow;
         const V8 phase = value8(!constant ? 0
@@ -220,11 +314,12 @@ class ParallelRaster {
             const V8 a1 = hn::LoadU(d, far + i), a0 = hn::LoadU(d, far + i - 1);
             const V8 b1 = hn::LoadU(d, near + i), b0 = hn::LoadU(d, near + i - 1);
             const V8 before = bilinear(a1, a0, b1, b0, fx, fy);
-            const V8 center = hn::Add(counted(i), half);
-            const V8 p = constant ? phase
-                         : row    ? towards.in(row, wx, wy, wz, center, j + 0.5, k + 0.5)
-                                  : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5);
-            V8 arrives = m_rays.attenuated ? passed(before, hn::Mul(ownHalf, hn::LoadU(d, own + i))) : value8(1);
+            if (Towards::kOpaque && hn::AllTrue(d, hn::Lt(before, value8(kDark)))) continue;
+            const CellPlace cell{i, j, k};
+            const V8 p = constant ? phase : row ? towards.in(row, wx, wy, wz, cell) : towards.at(wx, wy, wz, cell);
+            V8 arrives = !m_rays.attenuated ? value8(1)
+                         : box.integral()   ? before
+                                            : passed(before, hn::Mul(ownHalf, hn::LoadU(d, own + i)));
             if (m_rays.blocked) {
                 const Real* dark = m_dark.data() + (far - m_through.data());
                 const Real* beside = m_dark.data() + (near - m_through.data());
@@ -255,6 +350,7 @@ class ParallelRaster {
     int m_rows;
     std::vector<Real>& m_through;
     std::vector<Real> m_dark;
+    ValuesBefore m_before;
 };
 
 /// Transmittances of the rays from a point to the cells of one face of a cube around it; for a lamp their depths.
@@ -279,6 +375,7 @@ class PointRaster {
         m_rows = m_width > 0 ? count[1] : 0;
         m_stride = std::size_t(m_width + 2 * kRowSlack);
         m_through.assign(std::size_t(m_rows) * m_stride, Real(rays.lamp ? 0 : 1));
+        if (box.integral()) m_before.begin(std::size_t(m_rows), m_stride);
         if (!rays.blocked) return;
         m_dark.resize(m_through.size());
         for (int q = 0; q < m_rows; ++q)
@@ -289,6 +386,43 @@ class PointRaster {
     int rows() const { return m_rays.attenuated ? m_rows : 0; }
     int slice(int step) const { return m_down ? m_box.size[2] - 1 - step : step; }
     bool reaches(int step) const { return m_rows > 0 && step >= m_first; }
+
+    HWY_ATTR void attenuateTo(int step, int row) {
+        const D8 d;
+        const hn::RebindToSigned<D8> di;
+        const int k = slice(step);
+        const double z = middle(step), thickness = m_box.edge() * (step > m_first ? z - middle(step - 1) : z);
+        const double aside = m_begin[1] + row * m_cell, y = m_rays.from.y + aside * z - 0.5;
+        const int j = static_cast<int>(std::floor(y));
+        const CellSpan span = j < -1 || j >= m_box.size[1] ? CellSpan() : m_box.withValues(j, k);
+        // Ray p crosses the slice at i = x0 + p perRay.
+        const double x0 = m_rays.from.x + m_begin[0] * z - 0.5, perRay = m_cell * z;
+        const CellSpan met =
+            span.empty() ? CellSpan()
+                         : CellSpan{std::max(0, static_cast<int>(std::floor((span.begin - 1 - x0) / perRay))),
+                                    std::min(m_width, static_cast<int>(std::ceil((span.end - x0) / perRay)) + 1)};
+        Real* before = m_before.of(std::size_t(row), met.empty() ? CellSpan() : met);
+        if (met.empty()) return;
+        const Real* a = m_box.values(j, k);
+        const Real* b = m_box.values(j + 1, k);
+        Real* to = m_through.data() + std::size_t(row) * m_stride;
+        const V8 fy = value8(y - j), part = value8(thickness), across2 = value8(1 + aside * aside);
+        for (int p = met.begin; p < met.end; p += static_cast<int>(hn::Lanes(d))) {
+            const V8 x = hn::Min(hn::Max(hn::MulAdd(counted(p), value8(perRay), value8(x0)), value8(span.begin - 1)),
+                                 value8(span.end));
+            const V8 whole = hn::Floor(x), fx = hn::Sub(x, whole);
+            const auto i = hn::ConvertTo(di, whole), next = hn::Add(i, hn::Set(di, 1));
+            const V8 value = bilinear(hn::GatherIndex(d, a, i), hn::GatherIndex(d, a, next), hn::GatherIndex(d, b, i),
+                                      hn::GatherIndex(d, b, next), fx, fy);
+            const V8 along = hn::MulAdd(counted(p), value8(m_cell), value8(m_begin[0]));
+            const V8 way = hn::Mul(part, hn::Sqrt(hn::MulAdd(along, along, across2)));
+            const V8 old = hn::LoadU(d, before + p), left = hn::LoadU(d, to + p);
+            const V8 tau = hn::Mul(way, meanBetween(*m_box.integral(), old, value));
+            const auto inside = hn::Lt(counted(p), value8(met.end));
+            hn::StoreU(hn::IfThenElse(inside, passed(left, tau), left), d, to + p);
+            hn::StoreU(hn::IfThenElse(inside, value, old), d, before + p);
+        }
+    }
 
     HWY_ATTR void attenuate(int step, int row) {
         const D8 d;
@@ -322,11 +456,13 @@ class PointRaster {
         }
     }
 
-    HWY_ATTR void light(int step, int j, const CellView& view, const TowardsEye& towards, CellSlices& box) const {
+    template <class Towards>
+    HWY_ATTR void light(int step, int j, const CellView& view, const Towards& towards, CellSlices& box) const {
         const D8 d;
         const hn::RebindToSigned<D8> di;
         const int k = slice(step);
-        const double z = distance(step), own = m_rays.attenuated ? m_rays.extinction * std::min(z, 0.5) : 0,
+        const double z = distance(step),
+                     own = m_rays.attenuated && !box.integral() ? m_rays.extinction * std::min(z, 0.5) : 0,
                      y = j + 0.5 - m_rays.from.y;
         if (z <= 0 || !owns(1, y, z)) return;
         const CellSpan span = range(box.wanted[box.rowIndex(j, k)], z);
@@ -348,6 +484,7 @@ class PointRaster {
             const V8 a0 = hn::GatherIndex(d, a, p), a1 = hn::GatherIndex(d, a, next);
             const V8 b0 = hn::GatherIndex(d, b, p), b1 = hn::GatherIndex(d, b, next);
             const V8 before = bilinear(a0, a1, b0, b1, fx, fy);
+            if (Towards::kOpaque && hn::AllTrue(d, hn::Lt(before, value8(kDark)))) continue;
             const V8 r2 = hn::MulAdd(x, x, value8(y * y + z * z)), r = hn::Sqrt(r2), one = hn::Div(value8(1), r);
             const V8 tau = hn::Mul(hn::Mul(r, value8(own / z)), hn::LoadU(d, extinction + i));
             const V8 wx = hn::Mul(x, one), wy = hn::Mul(value8(y), one), wz = hn::Mul(ahead, one);
@@ -369,10 +506,9 @@ class PointRaster {
                 seen = hn::Mul(seen, hn::Sqrt(facing));
             }
             if (m_rays.pattern) light = hn::Mul(light, sentAlong(wx, wy, wz));
-            light =
-                hn::Mul(light, constant ? phase
-                               : caps   ? towards.over(*caps, hn::Mul(seen, one), wx, wy, wz, center, j + 0.5, k + 0.5)
-                                        : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5));
+            light = hn::Mul(light, constant ? phase
+                                   : caps   ? towards.over(*caps, hn::Mul(seen, one), wx, wy, wz, {i, j, k})
+                                            : towards.at(wx, wy, wz, {i, j, k}));
             // Cells beyond the face belong to another one.
             light = hn::IfThenElseZero(hn::Lt(counted(i), value8(span.end)), light);
             addTo(box, view, m_rays, i, j, k, light);
@@ -420,6 +556,7 @@ class PointRaster {
     std::size_t m_stride = 0;
     std::vector<Real>& m_through;
     std::vector<Real> m_dark;
+    ValuesBefore m_before;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -34,10 +34,9 @@ namespace HWY_NAMESPACE {
 // Passes the slices with one source after the other. Threads work on successive sources; each waits at every slice
 // until the source before it has passed there, so that the order of all sums is that of the sources, whatever the
 // number of threads. The checkpoint is called by the thread that called this.
-template <class Raster, class Make>
-HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& view, CellSlices& box,
-                         const std::function<void()>& checkpoint) {
-    const TowardsEye towards(view);
+template <class Raster, class Make, class Towards>
+HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& view, const Towards& towards,
+                         CellSlices& box, const std::function<void()>& checkpoint) {
     const std::thread::id caller = std::this_thread::get_id();
     std::vector<std::atomic<int>> passed(count);
     std::atomic<std::size_t> next{0};
@@ -58,32 +57,46 @@ HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& vi
             Raster raster = make(m, memory);
             for (int step = 0; step < box.size[2] && next < std::numeric_limits<std::size_t>::max() / 2; ++step) {
                 if (step % 8 == 0 && std::this_thread::get_id() == caller) checkpoint();
+                for (int row = 0; box.integral() && raster.reaches(step) && row < raster.rows(); ++row)
+                    raster.attenuateTo(step, row);
                 while (m > 0 && passed[m - 1].load(std::memory_order_acquire) <= step) std::this_thread::yield();
                 for (int j = 0; raster.reaches(step) && j < box.size[1]; ++j)
                     if (!box.wanted[box.rowIndex(j, raster.slice(step))].empty())
                         raster.light(step, j, view, towards, box);
                 passed[m].store(step + 1, std::memory_order_release);
-                for (int row = 0; raster.reaches(step) && row < raster.rows(); ++row) raster.attenuate(step, row);
+                for (int row = 0; !box.integral() && raster.reaches(step) && row < raster.rows(); ++row)
+                    raster.attenuate(step, row);
             }
         }
     });
+}
+
+template <class Towards>
+HWY_ATTR void sweepTowards(const std::vector<CellRays>& sources, const CellView& view, const Towards& towards,
+                           bool parallel, bool down, CellSlices& box, const std::function<void()>& checkpoint) {
+    const std::size_t count = sources.size();
+    if (parallel)
+        passSlices<ParallelRaster>(
+            count,
+            [&](std::size_t m, std::vector<Real>& memory) { return ParallelRaster(box, sources[m], view, memory); },
+            view, towards, box, checkpoint);
+    else
+        passSlices<PointRaster>(
+            count,
+            [&](std::size_t m, std::vector<Real>& memory) { return PointRaster(box, sources[m], view, memory, down); },
+            view, towards, box, checkpoint);
 }
 
 // Adds the light of sources that are all parallel and have the slices' axis as their main one, or of points. `down`:
 // only rays that pass the slices in descending order.
 HWY_ATTR void sweepCells(const std::vector<CellRays>& sources, const CellView& view, bool parallel, bool down,
                          CellSlices& box, const std::function<void()>& checkpoint) {
-    const std::size_t count = sources.size();
-    if (parallel)
-        passSlices<ParallelRaster>(
-            count,
-            [&](std::size_t m, std::vector<Real>& memory) { return ParallelRaster(box, sources[m], view, memory); },
-            view, box, checkpoint);
+    if (!view.surface)
+        sweepTowards(sources, view, TowardsEye(view), parallel, down, box, checkpoint);
+    else if (view.mirrored)
+        sweepTowards(sources, view, Reflected<true>(view, box), parallel, down, box, checkpoint);
     else
-        passSlices<PointRaster>(
-            count,
-            [&](std::size_t m, std::vector<Real>& memory) { return PointRaster(box, sources[m], view, memory, down); },
-            view, box, checkpoint);
+        sweepTowards(sources, view, Reflected<false>(view, box), parallel, down, box, checkpoint);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -97,19 +110,42 @@ HWY_EXPORT(sweepCells);
 
 namespace {
 
+// What one class of volumes shows of some lights by one octave: a field, and the passes that fill it.
+struct Job {
+    int first;  // index of the first light; the same volumes hold back all
+    Sources sources;
+    Octave octave;
+    std::shared_ptr<CellField> field;           // of a lamp: what it shares with others; null: it is alone
+    std::shared_ptr<LampField> lamp = nullptr;  // of the only light, if it is a lamp
+    std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
+    std::size_t media = 0;                      // index of what holds the light back (addMedia)
+    std::vector<WidePhase> wide = {};           // for each light of `sources`; empty: of a lamp, or of surfaces
+    int surface = -1;                           // the classified volume that reflects the light; -1: media scatter it
+    bool mirrored = false;                      // the volume's highlights, and not its diffuse part
+};
+
 // One pass of some sources of light through the cells, for one or all colours.
 class Pass {
   public:
     Pass(const ViewScene& scene, const CellGrid& grid, Simd simd, const std::function<void()>& checkpoint)
         : m_scene(scene), m_grid(grid), m_simd(simd), m_checkpoint(checkpoint) {}
 
-    // `colour`: the only one that the slices' extinction is for; -1: all.
-    // `lamp`: what the sources stand for, if it is a lamp. `far`: what it shares with other lamps, if it does.
-    void add(const Sources& sources, const Octave& octave, const std::vector<WidePhase>& wide, const LampField* lamp,
-             int colour, CellSlices& slices, CellField& field, CellField* far = nullptr) const {
-        static const WidePhase kNarrow;
+    // `colour`: the only one that the slices' extinction is for; -1: all. What is shown of surfaces must be faced.
+    void add(const Job& job, int colour, CellSlices& slices) const {
+        const Sources& sources = job.sources;
+        const Octave& octave = job.octave;
+        const LampField* lamp = job.lamp.get();
+        CellField& field = lamp ? job.lamp->values() : *job.field;
         const std::size_t colours = colour < 0 ? field.colours() : 1;
-        CellView view{lamp ? Phase() : octave.phase, m_scene.camera.type == CameraType::orthographic, {}, colours, {}};
+        CellView view;
+        view.colours = colours;
+        view.parallelEye = m_scene.camera.type == CameraType::orthographic;
+        if (job.surface >= 0) {
+            view.surface = m_scene.volumes[std::size_t(job.surface)].classified.get();
+            view.mirrored = job.mirrored;
+        } else if (!lamp) {
+            view.phase = octave.phase;
+        }
         view.eye =
             view.parallelEye ? slices.reordered(-viewingAxis(m_scene.camera)) : slices.place(m_scene.camera.wsPosition);
         if (sources.blocked)
@@ -125,19 +161,22 @@ class Pass {
         for (auto first = sources.owners.begin(), last = first; first != end; first = last) {
             last = std::upper_bound(first, end, *first);
             slices.clearSums(colours);
-            sweep(sources, octave, wide.empty() ? kNarrow : wide[std::size_t(*first)],
-                  std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view, slices);
-            if (!lamp && sources.attenuated) slices.sharpen(colours);
+            sweep(job, std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view, slices);
+            if (!lamp && sources.attenuated) slices.sharpen(colours, job.surface >= 0);
             slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
         }
         slices.restore(before);
-        if (far) slices.addFarLight(*lamp, colour, *far);
+        if (lamp && job.field) slices.addFarLight(*lamp, colour, *job.field);
     }
 
   private:
-    // Adds the light of `count` sources from `first` on to the sums of the slices.
-    void sweep(const Sources& sources, const Octave& octave, const WidePhase& wide, std::size_t first,
-               std::size_t count, int colour, const CellView& view, CellSlices& slices) const {
+    // Adds the light of `count` sources of one light from `first` on to the sums of the slices.
+    void sweep(const Job& job, std::size_t first, std::size_t count, int colour, const CellView& view,
+               CellSlices& slices) const {
+        static const WidePhase kNarrow;
+        const Sources& sources = job.sources;
+        const Octave& octave = job.octave;
+        const WidePhase& wide = job.wide.empty() ? kNarrow : job.wide[std::size_t(sources.owners[first])];
         std::vector<CellRays> suns[2], points;  // suns: those that go up, and those that go down
         for (std::size_t i = first; i < first + count; ++i) {
             const Light& light = sources.lights[i];
@@ -204,18 +243,6 @@ class Pass {
     const std::function<void()>& m_checkpoint;
 };
 
-// What one class of volumes shows of some lights by one octave: a field, and the passes that fill it.
-struct Job {
-    int first;  // index of the first light; the same volumes hold back all
-    Sources sources;
-    Octave octave;
-    std::shared_ptr<CellField> field;           // of a lamp: what it shares with others; null: it is alone
-    std::shared_ptr<LampField> lamp = nullptr;  // of the only light, if it is a lamp
-    std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
-    std::size_t media = 0;                      // index of what holds the light back (addMedia)
-    std::vector<WidePhase> wide = {};           // for each light of `sources`; empty: of a lamp
-};
-
 // Lights share a field unless layers, or the volumes and solids that cast shadows in them, tell them apart. Lamps share
 // one with each other, and have small ones of their own.
 std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector<int>& lights) {
@@ -252,7 +279,8 @@ class Jobs {
         const std::vector<ServedLight> served = servedLights(m_scene, m_group);
         for (const bool full : {false, true})
             for (const std::vector<int>& volumes : alikeVolumes(m_scene, [full](const ViewVolume& volume) {
-                     return !volume.field->empty() && !volume.holdout && scattersFully(volume) == full;
+                     return !volume.field->empty() && !volume.holdout && !volume.classified &&
+                            scattersFully(volume) == full;
                  })) {
                 std::vector<int> lit;
                 for (const int i : m_group)
@@ -267,7 +295,33 @@ class Jobs {
         return jobs;
     }
 
+    // The jobs of a classified volume: what it reflects becomes that of `light`.
+    void addSurface(std::size_t v, const std::shared_ptr<const CellGrid>& cells, CellLight& light,
+                    std::vector<Job>& jobs) const {
+        const ViewVolume& volume = m_scene.volumes[v];
+        const bool mirrored = light.as == ShownAs::mirrored;
+        if ((mirrored ? volume.classified->specular : volume.classified->diffuse) == 0) return;
+        const std::vector<ServedLight> served = servedLights(m_scene, m_group);
+        std::vector<int> lit;
+        for (const int i : m_group)
+            if (served[std::size_t(i)].volumes[v] == Server::cells) lit.push_back(i);
+        if (lit.empty()) return;
+        Sources sources = coloured(sourcesOf(m_scene, lit));
+        if (sources.lights.empty()) return;
+        const auto field = std::make_shared<CellField>(cells, static_cast<int>(sources.colours), sources.tint);
+        Job& job = jobs.emplace_back(Job{lit.front(), std::move(sources), {}, field});
+        job.surface = static_cast<int>(v);
+        job.mirrored = mirrored;
+        light.ofVolume[v] = std::make_shared<const VolumeLight>(VolumeLight{field, {}});
+    }
+
   private:
+    // With a value for each colour where extinction has one.
+    Sources coloured(Sources sources) const {
+        if (!m_grey) sources.colours = 3;
+        if (sources.colours == 3) sources.tint = Rgb(1);
+        return sources;
+    }
     // Adds the jobs of some octaves, whose light becomes that of these volumes.
     void add(const std::vector<int>& lit, std::span<const Octave> octaves, const std::vector<int>& volumes,
              CellLight& light, std::vector<Job>& jobs) const {
@@ -282,10 +336,8 @@ class Jobs {
     }
     void addOthers(const std::vector<int>& lit, std::span<const Octave> octaves, VolumeLight& shown,
                    std::vector<Job>& jobs) const {
-        Sources sources = sourcesOf(m_scene, lit);
+        const Sources sources = coloured(sourcesOf(m_scene, lit));
         if (sources.lights.empty()) return;
-        if (!m_grey) sources.colours = 3;
-        if (sources.colours == 3) sources.tint = Rgb(1);
         const auto field = std::make_shared<CellField>(m_grid, static_cast<int>(sources.colours), sources.tint);
         shown.field = field;
         for (const Octave& octave : octaves) {
@@ -328,34 +380,97 @@ class Jobs {
     bool m_grey, m_lamps;
 };
 
+// The surfaces of classified volumes in cells, and the cells that keep what they reflect. By volume; null: it is none.
+class AllSurfaces {
+  public:
+    AllSurfaces(const ViewScene& scene, const CellGrid& grid, const Vec3& wsCorner, double margin)
+        : m_cells(scene.volumes.size()), m_grids(scene.volumes.size()) {
+        for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+            const ViewVolume& volume = scene.volumes[v];
+            if (!volume.classified || volume.field->empty()) continue;
+            const Kernel kernel = volume.kernel.value_or(scene.dials.kernel);
+            m_cells[v] = std::make_unique<const SurfaceCells>(surfaceCells(grid, volume, kernel, voxelUnit(scene)));
+            if (volume.holdout) continue;
+            m_grids[v] = std::make_shared<const CellGrid>(grid.edge(), m_cells[v]->boxes(grid, margin), wsCorner);
+        }
+        if (m_cells.size() == 1 && m_cells.front() && isByValueAlone(scene.volumes.front())) {
+            const ViewVolume& only = scene.volumes.front();
+            m_integral.emplace(*only.classified, double(only.field->maxValue));
+        }
+    }
+    const SurfaceCells& cells(int volume) const { return *m_cells[std::size_t(volume)]; }
+    const std::shared_ptr<const CellGrid>& grid(std::size_t volume) const { return m_grids[volume]; }
+    // Adds the extinction of those that `casters` has to that of media.
+    void addTo(CellMedia& media, const std::vector<bool>& casters) const {
+        for (std::size_t v = 0; v < m_cells.size(); ++v)
+            for (std::vector<Real>& row : media.extinction)
+                for (std::size_t cell = 0; m_cells[v] && casters[v] && cell < row.size(); ++cell)
+                    row[cell] += m_cells[v]->extinction[cell];
+    }
+    // If a single volume, whose value alone counts, holds light back, its values do so more exactly than extinction.
+    void classify(CellSlices& slices) const {
+        if (m_integral) slices.classify(m_cells.front().get(), &*m_integral);
+    }
+    std::size_t bytes() const {
+        std::size_t sum = 0;
+        for (const auto& cells : m_cells) sum += cells ? cells->bytes() : 0;
+        return sum;
+    }
+
+  private:
+    std::optional<ExtinctionIntegral> m_integral;
+    std::vector<std::unique_ptr<const SurfaceCells>> m_cells;
+    std::vector<std::shared_ptr<const CellGrid>> m_grids;
+};
+
+// The volumes that have extinction in cells, and those of them that are no surfaces.
+std::vector<bool> withVoxels(const ViewScene& scene) {
+    std::vector<bool> all;
+    for (const ViewVolume& volume : scene.volumes) all.push_back(!volume.field->empty());
+    return all;
+}
+std::vector<bool> mediaAmong(const ViewScene& scene, std::vector<bool> volumes) {
+    for (std::size_t v = 0; v < volumes.size(); ++v) volumes[v] = volumes[v] && !scene.volumes[v].classified;
+    return volumes;
+}
+
 // Adds to `media`, which holds those of all volumes, those of the volumes alone that hold back the light of a job.
-void addMedia(const ViewScene& scene, const Vec3& wsCorner, double margin, Simd simd, std::vector<Job>& jobs,
-              std::vector<CellMedia>& media) {
-    std::vector<std::vector<bool>> sets(1);
-    for (const ViewVolume& volume : scene.volumes) sets[0].push_back(!volume.field->empty());
+void addMedia(const ViewScene& scene, const Vec3& wsCorner, double margin, Simd simd, const AllSurfaces& surfaces,
+              std::vector<Job>& jobs, std::vector<CellMedia>& media) {
+    std::vector<std::vector<bool>> sets{withVoxels(scene)};
     for (Job& job : jobs) {
         if (!job.sources.attenuated) continue;
         const std::vector<bool> casters = castersIn(scene, std::size_t(job.first));
         job.media = std::size_t(std::find(sets.begin(), sets.end(), casters) - sets.begin());
         if (job.media < sets.size()) continue;
         sets.push_back(casters);
-        media.push_back(cellMedia(scene, {}, media[0].grid.edge(), simd, wsCorner, margin, false, casters));
+        media.push_back(
+            cellMedia(scene, {}, media[0].grid.edge(), simd, wsCorner, margin, false, mediaAmong(scene, casters)));
+        surfaces.addTo(media.back(), casters);
     }
 }
 
 // The jobs for these lights, whose fields become those of `all`.
 std::vector<Job> allJobs(const ViewScene& scene, const std::vector<int>& lights,
-                         const std::shared_ptr<const CellGrid>& grid, bool grey, std::vector<CellLight>& all) {
+                         const std::shared_ptr<const CellGrid>& grid, const AllSurfaces& surfaces, bool grey,
+                         std::vector<CellLight>& all) {
     std::vector<Job> jobs;
     std::map<int, std::shared_ptr<CellField>> open;  // by lamp
+    const auto keep = [&](CellLight&& light) {
+        if (std::ranges::any_of(light.ofVolume, [](const auto& own) { return own != nullptr; }))
+            all.push_back(std::move(light));
+    };
     for (const std::vector<int>& group : groupsOf(scene, lights)) {
         CellLight direct;
         if (wants(scene, Layer::light)) direct.output = Output{Layer::light, lightOfLayer(scene, group.front())};
         direct.ofVolume.resize(scene.volumes.size());
-        CellLight again = direct;
+        CellLight again = direct, diffuse = direct, mirrored = direct;
         again.again = true;
+        diffuse.as = ShownAs::diffuse;
+        mirrored.as = ShownAs::mirrored;
         const bool apart = wants(scene, Layer::indirect);
-        for (Job& job : Jobs(scene, group, grid, grey).make(direct, apart ? again : direct)) {
+        const Jobs make(scene, group, grid, grey);
+        for (Job& job : make.make(direct, apart ? again : direct)) {
             if (job.lamp && isBlocked(scene, std::size_t(job.first))) {
                 std::shared_ptr<CellField>& own = open[job.first];
                 if (!own) own = std::make_shared<CellField>(grid, 1);
@@ -363,9 +478,10 @@ std::vector<Job> allJobs(const ViewScene& scene, const std::vector<int>& lights,
             }
             jobs.push_back(std::move(job));
         }
-        all.push_back(std::move(direct));
-        if (std::ranges::any_of(again.ofVolume, [](const auto& light) { return light != nullptr; }))
-            all.push_back(std::move(again));
+        for (std::size_t v = 0; v < scene.volumes.size(); ++v)
+            for (CellLight* light : {&diffuse, &mirrored})
+                if (surfaces.grid(v)) make.addSurface(v, surfaces.grid(v), *light, jobs);
+        for (CellLight* light : {&direct, &again, &diffuse, &mirrored}) keep(std::move(*light));
     }
     return jobs;
 }
@@ -389,15 +505,18 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
     // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them.
     const double margin = (kernelRadius(scene) + 0.75 * scene.dials.sheetThickness) * voxelUnit(scene);
     const Vec3 wsCorner = cornerOfVoxels(scene, edge);
-    std::vector<CellMedia> media{cellMedia(scene, {}, edge, simd, wsCorner, margin)};
+    const std::vector<bool> volumes = withVoxels(scene);
+    std::vector<CellMedia> media{cellMedia(scene, {}, edge, simd, wsCorner, margin, false, mediaAmong(scene, volumes))};
     const int reach = 1 + static_cast<int>(std::ceil(margin / edge));
     const auto grid = std::make_shared<const CellGrid>(media.front().grid);
+    const AllSurfaces surfaces(scene, *grid, wsCorner, margin);
+    surfaces.addTo(media.front(), volumes);
     const std::size_t rows = media.front().extinction.size();
     const bool grey = rows == 1;
     std::vector<CellLight> all;
-    std::vector<Job> jobs = allJobs(scene, lights, grid, grey, all);
+    std::vector<Job> jobs = allJobs(scene, lights, grid, surfaces, grey, all);
     bytes += bytesOf(jobs);
-    addMedia(scene, wsCorner, margin, simd, jobs, media);
+    addMedia(scene, wsCorner, margin, simd, surfaces, jobs, media);
     std::size_t most = 0;
     const Pass pass(scene, *grid, simd, checkpoint);
     CellSlices slices(*grid);
@@ -406,10 +525,13 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
         for (std::size_t i = 0; i < rows * media.size(); ++i) {
             const std::size_t c = i / media.size(), m = i % media.size();
             m == 0 ? slices.fill(media[m].extinction[c], reach) : slices.refill(media[m].extinction[c]);
-            for (const Job& job : jobs)
-                if (job.media == m)
-                    pass.add(job.sources, job.octave, job.wide, job.lamp.get(), grey ? -1 : static_cast<int>(c), slices,
-                             job.lamp ? job.lamp->values() : *job.field, job.lamp ? job.field.get() : nullptr);
+            for (const Job& job : jobs) {
+                if (job.media != m) continue;
+                if (job.surface >= 0) slices.face(surfaces.cells(job.surface));
+                if (m == 0 && job.sources.attenuated) surfaces.classify(slices);
+                pass.add(job, grey ? -1 : static_cast<int>(c), slices);
+                slices.classify(nullptr, nullptr);
+            }
         }
         std::set<const CellField*> opened;  // octaves of a lamp share it
         for (const Job& job : jobs) {
@@ -418,17 +540,17 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             Sources open = sourcesOfLamp(job.lamp->lamp(), kForEdges * static_cast<int>(job.sources.lights.size()));
             open.attenuated = false;
             open.blocked = true;
-            pass.add(open, {}, {}, nullptr, -1, slices, *job.open);
+            pass.add(Job{job.first, std::move(open), {}, job.open}, -1, slices);
         }
         most = std::max(most, slices.bytes());
     }
     for (const Job& job : jobs)
         if (job.lamp)
             job.lamp->makeMean(media[job.media], job.open);
-        else
+        else if (job.surface < 0)
             addPeaks(scene, job.sources, job.wide, job.octave, media[job.media], *job.field, checkpoint);
     for (const CellMedia& one : media) bytes += one.bytes();
-    bytes += most;
+    bytes += most + surfaces.bytes();
     return all;
 }
 

@@ -2,7 +2,8 @@
 // Extended lights on cells. What comes from many directions, or from a surface, varies slowly from place to place: each
 // cell keeps how much of it arrives through the volumes and is scattered towards the eye, and shading looks that up.
 // The same sum of sub-lights as by shadow buffers thus costs one pass over the cells for each sub-light, instead of a
-// sweep of its own. Errors fall with the edge of the cells to the power of about 1.6, and have no noise.
+// sweep of its own. Surfaces keep what they reflect of each sub-light, by how their cells face. Errors fall with the
+// edge of the cells to the power of about 1.6, and have no noise.
 #pragma once
 
 #include <scrim/base/simd.h>

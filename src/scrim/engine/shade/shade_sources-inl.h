@@ -88,9 +88,14 @@ HWY_ATTR void addScatteredBefore(const ShadeInput& input, const SheetScattered& 
     const SheetMedium* medium = scattered.surface < 0 ? &input.media[std::size_t(scattered.medium)] : nullptr;
     const SheetSurface* surface = medium ? nullptr : &input.surfaces[std::size_t(scattered.surface)];
     for (int c = 0; c < 3; ++c) {
-        const auto albedo = constant((medium ? medium->albedo[c] : surface->albedo[c]) * scattered.share);
+        const Real reflects = medium                               ? medium->albedo[c]
+                              : scattered.as == ShownAs::scattered ? surface->albedo[c]
+                                                                   : Real(1);
+        const auto albedo = constant(reflects * scattered.share);
         const Real *through = w.through.values[input.coloured ? c : 0], *radiance = scattered.radiance[c],
-                   *scatter = medium ? medium->scatter[c] : surface->emission[c];
+                   *scatter = medium                              ? medium->scatter[c]
+                              : scattered.as == ShownAs::mirrored ? surface->extinction
+                                                                  : surface->emission[c];
         Real* to = outputRow(input, w, output, c);
         forSamples([&](int k) HWY_ATTR {
             const auto part = hn::Mul(hn::Mul(load(scatter, k), load(through, k)), load(radiance, k));

@@ -13,6 +13,7 @@
 #include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/spaces.h>
+#include <scrim/engine/lamps/cell_light.h>
 #include <scrim/engine/light/sheet_light.h>
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
@@ -48,6 +49,7 @@ struct SheetScattered {
     Real share = 1;           ///< share that the sweep owns
     int output = 0;
     bool again = false;  ///< it has scattered before
+    ShownAs as = ShownAs::scattered;
 };
 
 /// A source of emission of a sheet: radiance per world unit is 256 coefficients times a colour.

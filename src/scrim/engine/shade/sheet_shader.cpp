@@ -48,6 +48,7 @@ struct SheetShader::Rows {
     std::vector<Row> tauOut;     // by light; only if surfaces are alone (see surfacesAlone)
     std::vector<Row> unblocked;  // by light; only if solids cast shadows
     std::vector<Row> onCells;    // of each part of the light on cells, three colours each
+    std::vector<Row> more;       // what the first halves of surfaces' segments have beyond the mean extinction
     std::vector<Row> coarser;    // positions on the sheet of a coarser level: u and v
     std::vector<Row> outputs;    // three colours for each output beside the beauty
     std::vector<ClassifiedTile> classified;
@@ -71,6 +72,7 @@ SheetShader::Rows& SheetShader::rowsFor(std::size_t lights) const {
     grow(rows.motion, m_motion ? 2 : 0);
     grow(rows.emission, m_emissions.size());
     grow(rows.coarser, 2);
+    grow(rows.more, m_surfaces.empty() ? 0 : 1);
     // There is always a first row, even if all lights are on cells.
     grow(rows.tauIn, std::max<std::size_t>(lights * channels, 1));
     grow(rows.tauOut, surfacesAlone() ? rows.tauIn.size() : 0);
@@ -143,8 +145,13 @@ void SheetShader::chooseScattered(const std::vector<CellLight>& cellLight) {
         const auto show = [&](const Seen& seen, std::size_t medium, int surface) {
             const auto& field = light.ofVolume[seen.volume->sceneVolume];
             if (!field) return;
-            m_scatteredParts.push_back(
-                {static_cast<int>(medium), surface, {}, static_cast<Real>(m_group.primary), output, light.again});
+            m_scatteredParts.push_back({static_cast<int>(medium),
+                                        surface,
+                                        {},
+                                        static_cast<Real>(m_group.primary),
+                                        output,
+                                        light.again,
+                                        light.as});
             m_scatteredFields.push_back(field);
         };
         for (std::size_t i = 0; i < m_media.size(); ++i) show(m_mediumVolumes[i], i, -1);
@@ -167,6 +174,9 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
         const auto part = static_cast<Real>((tint.x + tint.y + tint.z) / 3);
         for (int k = 0; k < kTileSize; ++k) medium.values[k] += part * rows.total[std::size_t(c)].values[k];
     }
+    Row nearer{};  // of the halves of the sheet that are nearer to the eye
+    for (int k = 0; !m_surfaces.empty() && k < kTileSize; ++k)
+        nearer.values[k] = std::max(medium.values[k] + (m_group.sameSide ? 1 : -1) * rows.more[0].values[k], Real(0));
     for (std::size_t i = 0; i < m_scatteredParts.size(); ++i) {
         SheetScattered part = m_scatteredParts[i];
         if (part.surface >= 0) {  // where it is among those that are visible here
@@ -177,7 +187,8 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
         }
         Row* const own = rows.onCells.data() + 3 * i;
         Real* const rgb[3] = {own[0].values, own[1].values, own[2].values};
-        m_scatteredFields[i]->lookUp(plane, samples, medium.values, rgb);
+        m_scatteredFields[i]->lookUp(plane, samples, medium.values, rgb,
+                                     part.as == ShownAs::scattered ? nullptr : nearer.values);
         std::copy(rgb, rgb + 3, part.radiance);
         rows.scattered.push_back(part);
     }
@@ -422,6 +433,7 @@ bool SheetShader::anyCoarser(const Box2<double>& texels) const {
 void SheetShader::classify(int p, const SampleTile& at, const std::uint8_t* open, Rows& rows, ShadeWork& work) const {
     const int channels = m_plan.extinction.count();
     for (int i = 0; i < channels; ++i) std::fill(rows.total[i].values, rows.total[i].values + kTileSize, Real(0));
+    std::fill_n(rows.more[0].values, kTileSize, Real(0));
     const auto add = [&](const Seen& volume, const Real* extinction) {
         const std::vector<Real>& weights = m_plan.extinction.weights[volume.volume->sceneVolume];
         for (int i = 0; i < channels; ++i) addTimes(weights[i], extinction, rows.total[i].values);
@@ -432,6 +444,7 @@ void SheetShader::classify(int p, const SampleTile& at, const std::uint8_t* open
         if (!m_surfaceVolumes[i].volume->surface->classify(p, at, open, seen)) continue;
         work.gradients += kTileSize;
         add(m_surfaceVolumes[i], seen.extinction);
+        for (int k = 0; k < kTileSize; ++k) rows.more[0].values[k] += seen.firstHalf[k] - seen.extinction[k];
         addSeen(m_surfaceVolumes[i], seen.extinction, rows);
         if (m_surfaceVolumes[i].held) continue;
         SheetSurface surface = m_surfaces[i];

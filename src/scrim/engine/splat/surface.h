@@ -51,6 +51,7 @@ struct ClassifiedTile {
     alignas(64) Real middle[kTileSize];
     alignas(64) Real back[kTileSize];
     alignas(64) Real extinction[kTileSize];   ///< mean, per world unit
+    alignas(64) Real firstHalf[kTileSize];    ///< the same of that half of each segment where it begins
     alignas(64) Real emission[3][kTileSize];  ///< mean of extinction times colour
     alignas(64) Real normal[3][kTileSize];    ///< unit, in sweep space, pointing out of the denser side
     alignas(64) Real weight[kTileSize];       ///< weight of the normal, see normalWeight
