@@ -20,7 +20,7 @@ struct SurfaceCells {
     /// world, and its weight (normalWeight); else 0.
     std::array<std::vector<Real>, 4> facing;
 
-    std::size_t bytes() const { return (extinction.size() + 4 * facing[0].size()) * sizeof(Real); }
+    std::size_t bytes() const { return (extinction.size() + value.size() + 4 * facing[0].size()) * sizeof(Real); }
     /// Boxes around all blocks of `grid`, whose cells these are, that have a cell of the surfaces: `margin` world units
     /// beyond its cells.
     std::vector<Bounds> boxes(const CellGrid& grid, double margin) const;

@@ -96,7 +96,7 @@ void CellSlices::visitRows(const Visit& visit) const {
     }
 }
 
-void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach) {
+void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach, bool values) {
     std::fill(full.begin(), full.end(), CellSpan{});
     visitRows([&](std::size_t row, int i, std::size_t cell, std::size_t step) {
         int begin = 0, end = kCellEdge;
@@ -105,7 +105,7 @@ void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach) {
         full[row] = full[row].with({i + begin, i + end});
     });
     findWanted(reach);
-    keepRows();
+    keepRows(values);
     refill(perWorldUnit);
 }
 
@@ -154,7 +154,7 @@ CellSpan CellSlices::withValues(int j, int k) const {
 }
 
 // Finds the places of rows in memory. Cell 0 of the first one would be before the first that is kept.
-void CellSlices::keepRows() {
+void CellSlices::keepRows(bool values) {
     const std::size_t lead = std::size_t(size[0]) + 1;
     std::size_t at = lead;
     m_kept.assign(full.size(), {});
@@ -167,11 +167,12 @@ void CellSlices::keepRows() {
             CellSpan& kept = m_kept[row];
             for (int near = std::max(j - 1, -1); near <= std::min(j + 1, size[1]); ++near)
                 kept = kept.with(full[paddedRow(near, k)]);
-            for (int slice = std::max(k - 1, 0); slice <= std::min(k + 1, size[2] - 1); ++slice)
-                for (int near = std::max(j - 1, 0); near <= std::min(j + 1, size[1] - 1); ++near) {
-                    const CellSpan& span = wanted[rowIndex(near, slice)];
-                    if (!span.empty()) kept = kept.with({span.begin - 2, span.end + 2});
-                }
+            if (j >= 0 && j < size[1]) kept = kept.with(wanted[rowIndex(j, k)]);
+            // Rays find values between the cells of two rows.
+            for (int near = std::max(j - 1, 0); values && near <= std::min(j + 1, size[1] - 1); ++near) {
+                const CellSpan& span = wanted[rowIndex(near, k)];
+                if (!span.empty()) kept = kept.with({span.begin - 2, span.end + 2});
+            }
             if (kept.empty()) continue;
             m_rowAt[row] = at + 1 - std::size_t(kept.begin);
             at += std::size_t(kept.end - kept.begin) + 1 + kRowSlack;

@@ -83,7 +83,8 @@ class CellSlices {
     CellSpan withValues(int j, int k) const;
 
     /// Takes the grid's extinction, per world unit. Light is wanted up to `reach` cells from where there is any.
-    void fill(const std::vector<Real>& perWorldUnit, int reach);
+    /// `values`: those of a field will be asked for, around where light is wanted.
+    void fill(const std::vector<Real>& perWorldUnit, int reach, bool values = false);
     /// Takes another extinction, which is 0 where that of `fill` was. Light is wanted where it was.
     void refill(const std::vector<Real>& perWorldUnit);
     /// Takes out the extinction within a sphere, so that rays from within begin at its surface. Returns what `restore`
@@ -108,7 +109,7 @@ class CellSlices {
 
   private:
     void findWanted(int reach);
-    void keepRows();
+    void keepRows(bool values);
     // Calls visit(cell of the field's grid, light of the row from that cell on, values of the field) for all wanted
     // cells of the blocks whose centre, in cells of that grid, `wantsBlock`, in parallel.
     template <class Visit, class Wanted>

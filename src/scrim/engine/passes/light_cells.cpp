@@ -407,6 +407,7 @@ class AllSurfaces {
                 for (std::size_t cell = 0; m_cells[v] && casters[v] && cell < row.size(); ++cell)
                     row[cell] += m_cells[v]->extinction[cell];
     }
+    bool byValue() const { return m_integral.has_value(); }
     // If a single volume, whose value alone counts, holds light back, its values do so more exactly than extinction.
     void classify(CellSlices& slices) const {
         if (m_integral) slices.classify(m_cells.front().get(), &*m_integral);
@@ -524,7 +525,8 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
         slices.layAlong(axis);
         for (std::size_t i = 0; i < rows * media.size(); ++i) {
             const std::size_t c = i / media.size(), m = i % media.size();
-            m == 0 ? slices.fill(media[m].extinction[c], reach) : slices.refill(media[m].extinction[c]);
+            m == 0 ? slices.fill(media[m].extinction[c], reach, surfaces.byValue())
+                   : slices.refill(media[m].extinction[c]);
             for (const Job& job : jobs) {
                 if (job.media != m) continue;
                 if (job.surface >= 0) slices.face(surfaces.cells(job.surface));

@@ -164,17 +164,17 @@ double errorOfSurfaces(const ViewScene& scene, double edge) {
     return 0.009 * depth * std::pow(2 * edge, 1.8);
 }
 
-// The edge of cells for surfaces, voxels: the largest that keeps the error within what sub-lights may have, and the
-// rest of light; else the smallest.
-double surfaceCell(const ViewScene& scene) {
+// True if that is within what sub-lights may have, and the rest of light.
+bool surfacesFit(const ViewScene& scene, double edge) {
     constexpr double kOfLight = 1.6;  // of light_error
-    for (const double edge : {0.5, 1.0 / 3})
-        if (errorOfSurfaces(scene, edge) <= kOfLight * scene.dials.lightError) return edge;
-    return kFinestCell;
+    return errorOfSurfaces(scene, edge) <= kOfLight * scene.dials.lightError;
 }
-bool surfacesFitCells(const ViewScene& scene) {
-    constexpr double kOfLight = 1.6;
-    return errorOfSurfaces(scene, surfaceCell(scene)) <= kOfLight * scene.dials.lightError;
+
+// The edge of cells for surfaces, voxels: the largest that fits, else the smallest.
+double surfaceCell(const ViewScene& scene) {
+    for (const double edge : {0.5, 1.0 / 3})
+        if (surfacesFit(scene, edge)) return edge;
+    return kFinestCell;
 }
 
 // The least number of sub-lights that cells are better for. A light of few points or directions has shadows that are
@@ -199,7 +199,8 @@ bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec
     if (light.dome() && skiesFromBorder(scene)) return false;
     const bool forced = light.shadow == ShadowMethod::cells;
     // Of a lamp, surfaces ask for the direction of each of its points.
-    if (hasSurfaces(scene) && (isLampOnCells(scene, light) || !(forced || surfacesFitCells(scene)))) return false;
+    if (hasSurfaces(scene) && (isLampOnCells(scene, light) || !(forced || surfacesFit(scene, surfaceCell(scene)))))
+        return false;
     if (shinesInBeams(scene, light)) return false;
     if (light.area() || light.dome())
         return forced || subLightCount(scene, light) >= leastForCells(scene, light, wsCorners);

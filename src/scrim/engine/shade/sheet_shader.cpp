@@ -441,10 +441,12 @@ void SheetShader::classify(int p, const SampleTile& at, const std::uint8_t* open
     for (std::size_t i = 0; i < m_media.size(); ++i) add(m_mediumVolumes[i], rows.medium[i].values);
     for (std::size_t i = 0; i < m_surfaces.size(); ++i) {
         ClassifiedTile& seen = rows.classified[i];
+        seen.halves = !m_scatteredParts.empty();
         if (!m_surfaceVolumes[i].volume->surface->classify(p, at, open, seen)) continue;
         work.gradients += kTileSize;
         add(m_surfaceVolumes[i], seen.extinction);
-        for (int k = 0; k < kTileSize; ++k) rows.more[0].values[k] += seen.firstHalf[k] - seen.extinction[k];
+        for (int k = 0; seen.halves && k < kTileSize; ++k)
+            rows.more[0].values[k] += seen.firstHalf[k] - seen.extinction[k];
         addSeen(m_surfaceVolumes[i], seen.extinction, rows);
         if (m_surfaceVolumes[i].held) continue;
         SheetSurface surface = m_surfaces[i];

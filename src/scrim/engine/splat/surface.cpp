@@ -319,14 +319,16 @@ bool Surface::classify(int p, const SampleTile& at, const std::uint8_t* open, Cl
         if (!open[k]) out.front[k] = out.middle[k] = out.back[k] = 0;
     m_table.meanExtinction(out.front, out.middle, out.back, kTileSize, out.extinction, m_simd);
     if (std::none_of(out.extinction, out.extinction + kTileSize, [](Real sigma) { return sigma > 0; })) return false;
-    alignas(64) Real quarter[kTileSize];
-    for (int k = 0; k < kTileSize; ++k) quarter[k] = Real(0.5) * (out.front[k] + out.middle[k]);
-    m_table.meanExtinction(out.front, quarter, out.middle, kTileSize, out.firstHalf, m_simd);
+    if (out.halves) {
+        alignas(64) Real quarter[kTileSize];
+        for (int k = 0; k < kTileSize; ++k) quarter[k] = Real(0.5) * (out.front[k] + out.middle[k]);
+        m_table.meanExtinction(out.front, quarter, out.middle, kTileSize, out.firstHalf, m_simd);
+    }
     for (int c = 0; c < 3; ++c)
         m_table.meanEmission(c, out.front, out.middle, out.back, kTileSize, out.emission[c], m_simd);
     for (int k = 0; k < kTileSize && !m_faces.empty(); ++k) {
         out.extinction[k] *= share[k];
-        out.firstHalf[k] *= share[k];
+        if (out.halves) out.firstHalf[k] *= share[k];
         for (Real* channel : out.emission) channel[k] *= share[k];
     }
     findNormals(p, at, out);
@@ -379,7 +381,7 @@ void Surface::findNormals(int p, const SampleTile& at, ClassifiedTile& out) cons
             const auto factor =
                 static_cast<Real>(gradientFactor(*m_look, m_vagueGradient * std::sqrt(double(some.squared(i)))));
             out.extinction[k] *= factor;
-            out.firstHalf[k] *= factor;
+            if (out.halves) out.firstHalf[k] *= factor;
             for (Real* channel : out.emission) channel[k] *= factor;
         }
         for (std::size_t f = 0; f < m_faces.size(); ++f) {  // see `facing` of half_space.h

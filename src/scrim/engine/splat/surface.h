@@ -42,6 +42,7 @@ struct ClassifiedTile {
     static constexpr int kNoSheet = std::numeric_limits<int>::min();
     void leave() { sheet = exactSheet = kNoSheet; }
 
+    bool halves = false;                    ///< `firstHalf` is asked for
     int count = kTileSize;                  ///< of samples that are asked for; a multiple of 16
     int sheet = kNoSheet;                   ///< of `planes`
     int exactSheet = kNoSheet;              ///< of `leaves`
@@ -51,7 +52,7 @@ struct ClassifiedTile {
     alignas(64) Real middle[kTileSize];
     alignas(64) Real back[kTileSize];
     alignas(64) Real extinction[kTileSize];   ///< mean, per world unit
-    alignas(64) Real firstHalf[kTileSize];    ///< the same of that half of each segment where it begins
+    alignas(64) Real firstHalf[kTileSize];    ///< with `halves`: of the half of each segment where it begins
     alignas(64) Real emission[3][kTileSize];  ///< mean of extinction times colour
     alignas(64) Real normal[3][kTileSize];    ///< unit, in sweep space, pointing out of the denser side
     alignas(64) Real weight[kTileSize];       ///< weight of the normal, see normalWeight
