@@ -56,7 +56,8 @@ while read -r header; do
     [ -z "$others" ] || fail "$header needs more than GLM: $others"
 done < <(cd "$prefix/include" && find scrim -name '*.h' | sort)
 echo "   $headers headers"
-[ "$headers" -ge 20 ] && [ "$headers" -le 32 ] || fail "$headers headers are installed, expected 20 to 32"
+# A sixth of all at most: a folder that is forgotten, or one that is installed as a whole, shows here.
+[ "$headers" -ge 20 ] && [ "$headers" -le 45 ] || fail "$headers headers are installed, expected 20 to 45"
 
 echo "-- building the examples, which use it"
 quietly "the examples do not configure" cmake -S "$here/../../../examples/cpp" -B "$work/examples" -G Ninja \
