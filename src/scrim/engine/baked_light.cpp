@@ -99,23 +99,24 @@ struct Crossing {
 
 Crossing crossingOf(const SheetLight& light, const Sheets& sheets, int sheet, const Vec3& ts) {
     const double toTexels = sheets.thickness / sheets.texel;
-    if (light.distant) {
+    if (const DistantOnSheet* sun = light.distant()) {
         const double back = (sheet + 0.5 - ts.z) * toTexels;
-        return {ts.x + light.slopeA * back, ts.y + light.slopeB * back, ts.z - sheet, 1};
+        return {ts.x + sun->slopeA * back, ts.y + sun->slopeB * back, ts.z - sheet, 1};
     }
+    const NearOnSheet& lamp = *light.near();
     // A sheet that contains the light is lit from the light on, and its intensity accounts for that part only.
-    const double away = light.distanceW / sheets.thickness, part = std::min(2 * away, 1.0);
+    const double away = lamp.distanceW / sheets.thickness, part = std::min(2 * away, 1.0);
     const double source = part < 1 ? sheet + 1 - part : sheet + 0.5 - away;
     constexpr double kLeast = 1e-3;  // of a sheet, for rays that lie within it
     const double from = ts.z - source;
     if (from <= 0) return {ts.x, ts.y, 0, 0};
     const double scale = away / std::max(from, kLeast);
-    Crossing out{light.texelU + (ts.x - light.texelU) * scale, light.texelV + (ts.y - light.texelV) * scale,
+    Crossing out{lamp.texelU + (ts.x - lamp.texelU) * scale, lamp.texelV + (ts.y - lamp.texelV) * scale,
                  std::min(from, ts.z - sheet), 1 / part};
-    if (!light.decay) return out;
-    const double a = (ts.x - light.texelU) * sheets.texel, b = (ts.y - light.texelV) * sheets.texel;
+    if (!lamp.decay) return out;
+    const double a = (ts.x - lamp.texelU) * sheets.texel, b = (ts.y - lamp.texelV) * sheets.texel;
     const double c = from * sheets.thickness, own = a * a + b * b + c * c;
-    out.factor *= std::max(own * scale * scale, double(light.radius2)) / std::max(own, double(light.radius2));
+    out.factor *= std::max(own * scale * scale, double(lamp.radius2)) / std::max(own, double(lamp.radius2));
     return out;
 }
 
@@ -137,16 +138,16 @@ void meet(const SheetLight& light, const Sheets& sheets, int sheet, VoxelTile& t
         tile.samples.u[k] = static_cast<Real>(at.u);
         tile.samples.v[k] = static_cast<Real>(at.v);
         tile.factor[k] = static_cast<Real>(at.factor);
-        const double a = light.distant ? light.slopeA : (at.u - light.texelU) * sheets.texel / light.distanceW;
-        const double b = light.distant ? light.slopeB : (at.v - light.texelV) * sheets.texel / light.distanceW;
-        tile.path[k] = static_cast<Real>(at.inside * sheets.thickness * std::sqrt(1 + a * a + b * b));
+        const Vec2 slope = light.slopesAt(at.u, at.v, sheets.texel);
+        tile.path[k] =
+            static_cast<Real>(at.inside * sheets.thickness * std::sqrt(1 + slope.x * slope.x + slope.y * slope.y));
         tile.clear[k] = 1;
     }
 }
 
 class Baking {
   public:
-    // `scene` is the scene for baking, with the plan's lights.
+    // `scene` is the scene for baking, whose plan is `plan`.
     Baking(const ViewScene& given, const ViewScene& scene, const Plan& plan, std::vector<BakedVolume>& out)
         : m_given(given), m_scene(scene), m_plan(plan), m_out(out) {}
 
@@ -386,8 +387,7 @@ std::vector<BakedVolume> bakeLight(const ViewScene& given, const std::vector<boo
         for (auto& flux : baked.flux) flux.resize(floats);
     }
     const Plan plan = makePlan(baking, threads, partOf(progress, 0, 0));
-    ViewScene plain;
-    Baking bake(given, withSubLights(baking, plan.subLights, plain), plan, out);
+    Baking bake(given, baking, plan, out);
     for (std::size_t g = 0; g < plan.groups.size(); ++g)
         bake.sweep(plan.groups[g], partOf(progress, double(g) / double(plan.groups.size()),
                                           double(g + 1) / double(plan.groups.size())));

@@ -146,7 +146,8 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
             times.shade += watch.lap();
             seen = compositor.throughTexels(first, count, *shaded);
         } else {
-            seen = compositor.throughPixels(first, count, extinction.covered(), group.lattice, shader);
+            seen = own ? compositor.throughCells(first, count, extinction.covered(), group.lattice.guardTiles, shader)
+                       : compositor.throughPixels(first, count, extinction.covered(), shader);
         }
         work += seen;
         work.layerSamples += seen.pixelSheets * static_cast<std::uint64_t>(layout.quads() - 1);
@@ -210,10 +211,8 @@ std::vector<CellLight> allLightOnCells(const ViewScene& scene, const Plan& plan,
     return all;
 }
 
-Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& progress, const PictureSink& shown) {
-    Frame frame = emptyFrame(given);
-    ViewScene plain;
-    const ViewScene& scene = withSubLights(given, plan.subLights, plain);
+Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& progress, const PictureSink& shown) {
+    Frame frame = emptyFrame(scene);
     const auto goOn = [&](double done) {
         if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
     };
@@ -225,7 +224,7 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
         };
         if (shown) shown(soFar);
     };
-    const std::vector<CellLight> cellLight = allLightOnCells(given, plan, frame, [&] { goOn(0); });
+    const std::vector<CellLight> cellLight = allLightOnCells(scene, plan, frame, [&] { goOn(0); });
     std::vector<DeepImage> deep;
     std::unique_ptr<EyeEnds> ends;  // shared by all sweeps of a part of the eye, which follow one another
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
@@ -249,7 +248,7 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
     }
     finishLayers(frame);
     if (scene.deep) frame.deep = combined(scene, plan, deep);
-    frame.work.caughtRays = catchShadows(given, plan.subLights, frame, [&] { goOn(1); });
+    frame.work.caughtRays = catchShadows(scene, plan.subLights, frame, [&] { goOn(1); });
     return frame;
 }
 

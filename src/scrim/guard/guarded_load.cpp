@@ -161,9 +161,9 @@ LoadJob begin(const std::string& what, const std::string& path, const std::vecto
         bytes += file->size();
         descriptors.push_back(file->descriptor());
     }
-    return LoadJob(options.loader, LoadedFiles::volumes, workOn(path, edit), transfer, descriptors.front(),
-                   limitsFor(edit == nullptr ? kVolume : kEdited, bytes, options), options.showStderr, -1,
-                   std::span(descriptors).subspan(1));
+    return LoadJob(options.loader, LoadedFiles::volumes, workOn(path, edit),
+                   {transfer, descriptors.front(), -1, std::span(descriptors).subspan(1)},
+                   limitsFor(edit == nullptr ? kVolume : kEdited, bytes, options), options.showStderr);
 }
 
 /// Runs `receive` and puts the path in front of its error about an incomplete transfer.
@@ -213,7 +213,7 @@ Result fileJob(LoadedFiles files, const Kind& kind, const LoadRequest& request, 
     return withLoader(checkpoint, [&] {
         const Descriptor transfer(createTransfer());
         sendRequest(transfer.fd(), request);
-        LoadJob(options.loader, files, path, transfer.fd(), file.fd(), limitsFor(kind, file.size(), options),
+        LoadJob(options.loader, files, path, {transfer.fd(), file.fd()}, limitsFor(kind, file.size(), options),
                 options.showStderr)
             .wait(checkpoint);
         return received(path, [&] { return receive(transfer.fd()); });
@@ -283,7 +283,7 @@ std::vector<SparseField> guardedEdit(const std::vector<SparseField>& grids, cons
         const Descriptor transfer(createTransfer()), made(createTransfer());
         sendFields(made.fd(), grids, {});
         sendRequest(transfer.fd(), requestOf(kMadeFields, name, requests, &edit));
-        LoadJob(options.loader, LoadedFiles::volumes, what, transfer.fd(), made.fd(),
+        LoadJob(options.loader, LoadedFiles::volumes, what, {transfer.fd(), made.fd()},
                 limitsFor(kEdited, bytes, options), options.showStderr)
             .wait(checkpoint);
         return received(what, [&] { return receiveFields(transfer.fd()); });
@@ -358,8 +358,9 @@ std::vector<SparseField> guardedSource(const std::string& source, const SourcePa
         return withLoader(checkpoint, [&] {
             const Descriptor transfer(createTransfer());
             sendRequest(transfer.fd(), request);
-            LoadJob(options.loader, LoadedFiles::volumes, what, transfer.fd(), input,
-                    limitsFor(kSource, bytes, options), options.showStderr, beside == nullptr ? -1 : beside->fd())
+            LoadJob(options.loader, LoadedFiles::volumes, what,
+                    {transfer.fd(), input, beside == nullptr ? -1 : beside->fd()}, limitsFor(kSource, bytes, options),
+                    options.showStderr)
                 .wait(checkpoint);
             return received(what, [&] { return receiveFields(transfer.fd()); });
         });

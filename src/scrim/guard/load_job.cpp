@@ -236,8 +236,8 @@ void warmLoader(const std::string& loader, LoadedFiles files) noexcept {
     }
 }
 
-LoadJob::LoadJob(const std::string& loader, LoadedFiles files, const std::string& path, int transfer, int input,
-                 const LoadLimits& limits, bool showStderr, int beside, std::span<const int> more)
+LoadJob::LoadJob(const std::string& loader, LoadedFiles files, const std::string& path, const Descriptors& own,
+                 const LoadLimits& limits, bool showStderr)
     : m_path(path), m_limits(limits) {
     auto [ours, theirs] = socketPair();
     LoadMessage message;
@@ -245,9 +245,9 @@ LoadJob::LoadJob(const std::string& loader, LoadedFiles files, const std::string
     message.seconds = static_cast<std::uint64_t>(limits.patience.count());
     message.threads = static_cast<std::uint32_t>(threadCount());
     message.showsStderr = showStderr && isOpen(STDERR_FILENO) ? 1 : 0;
-    std::vector<int> descriptors{theirs.fd(), transfer, input, beside >= 0 ? beside : input,
-                                 message.showsStderr != 0 ? STDERR_FILENO : input};
-    descriptors.insert(descriptors.end(), more.begin(), more.end());
+    std::vector<int> descriptors{theirs.fd(), own.transfer, own.input, own.beside >= 0 ? own.beside : own.input,
+                                 message.showsStderr != 0 ? STDERR_FILENO : own.input};
+    descriptors.insert(descriptors.end(), own.others.begin(), own.others.end());
     servers().send(keyOf(loader, files), message, descriptors);
     m_control = std::move(ours);
 }

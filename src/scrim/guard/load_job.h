@@ -38,12 +38,17 @@ class LoaderLost : public Error {
 
 class LoadJob {
   public:
-    /// Starts a child of `loader` that reads `input`, a file of the kind `files`, as the request in `transfer` says.
-    /// Both descriptors stay open here, and so do `beside`, a second file that belongs to the input (-1: none), and
-    /// `more`, the other files of a volume, of which there are at most kMostDescriptors - kMore (load_protocol.h).
-    /// Throws Error(render, memory) where the program cannot be started.
-    LoadJob(const std::string& loader, LoadedFiles files, const std::string& path, int transfer, int input,
-            const LoadLimits& limits, bool showStderr, int beside = -1, std::span<const int> more = {});
+    /// Descriptors that a child gets a copy of. They stay open here.
+    struct Descriptors {
+        int transfer;                      ///< the request, and then what the child hands over
+        int input;                         ///< the file that it reads
+        int beside = -1;                   ///< a second file that belongs to the input; -1: none
+        std::span<const int> others = {};  ///< of a volume; at most kMostDescriptors - kMore (load_protocol.h)
+    };
+    /// Starts a child of `loader` that reads a file of the kind `files`, which messages call `path`. Throws
+    /// Error(render, memory) where the program cannot be started.
+    LoadJob(const std::string& loader, LoadedFiles files, const std::string& path, const Descriptors& descriptors,
+            const LoadLimits& limits, bool showStderr);
 
     /// Waits until the child has ended properly; calls `checkpoint` every few milliseconds. Throws whatever that
     /// throws, LoaderLost, and an Error where the child crashed or takes longer than the limits allow from now on. If

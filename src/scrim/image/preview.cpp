@@ -32,18 +32,17 @@ std::vector<unsigned char> pictureBytes(const std::string& name, const DisplayIm
 }
 
 void writePreview(const std::string& path, const Image& working, const PixelWindow& displayWindow,
-                  const ColourConfig& colour, const std::string& display, const std::string& view, double exposure,
-                  const std::optional<PreviewMarks>& marks) {
+                  const ColourConfig& colour, const PreviewLook& look) {
     if (displayWindow.empty())
         throw Error(ErrorKind::usage, fmt::format("cannot write '{}': the display window is empty", path));
     Image shown = reframed(working, displayWindow);
-    if (exposure != 0) {
-        const auto gain = static_cast<float>(std::exp2(exposure));
+    if (look.exposure != 0) {
+        const auto gain = static_cast<float>(std::exp2(look.exposure));
         for (std::size_t i = 0; i < shown.rgba.size(); ++i)
             if (i % 4 != 3) shown.rgba[i] *= gain;
     }
-    DisplayImage picture = colour.displayImage(shown, display, view);
-    if (marks) drawMarks(picture, *marks);
+    DisplayImage picture = colour.displayImage(shown, look.display, look.view);
+    if (look.marks) drawMarks(picture, *look.marks);
     const std::vector<unsigned char> bytes = pictureBytes(path, picture);
     writeWholeFile(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }

@@ -13,15 +13,20 @@
 
 namespace scrim {
 
+/// How a preview shows a picture.
+struct PreviewLook {
+    std::string display, view;               ///< of the configuration; empty: the default
+    double exposure = 0;                     ///< stops by which it is brighter
+    std::optional<PreviewMarks> marks = {};  ///< drawn into it
+};
+
 /// Writes `working` (premultiplied, in the working space) through a view of a display, over black and opaque, as an
 /// 8-bit RGB picture of the whole display window. It deliberately has no alpha: PNG would need display-encoded colour
 /// divided by alpha, which overflows wherever a thin volume is bright. The extension chooses the format (".png",
-/// ".jpg", ...). `exposure`: stops by which the preview is brighter. An empty `display` or `view` stands for the
-/// default. `marks`: those to draw into it. The file appears completely or not at all. Throws an Error of kind
+/// ".jpg", ...). The file appears completely or not at all. Throws an Error of kind
 /// `output`, `usage` for an empty display window, or `input` for an unknown view.
 void writePreview(const std::string& path, const Image& working, const PixelWindow& displayWindow,
-                  const ColourConfig& colour, const std::string& display, const std::string& view, double exposure = 0,
-                  const std::optional<PreviewMarks>& marks = {});
+                  const ColourConfig& colour, const PreviewLook& look);
 
 /// The bytes of an opaque picture file in the format of the extension of `name`. Throws Error(output), which names the
 /// file `name`.

@@ -271,9 +271,9 @@ namespace {
 void writePreviewOf(const ShotFrame::Content& content, const Image& image, const PixelWindow& window,
                     const std::string& path) {
     const ScenePreview& preview = content.scene.output.preview;
-    std::optional<PreviewMarks> marks;
-    if (preview.annotate) marks = {content.scene.camera, content.wsMiddle};
-    writePreview(path, image, window, content.colour, preview.display, preview.view, content.previewExposure, marks);
+    PreviewLook look{preview.display, preview.view, content.previewExposure};
+    if (preview.annotate) look.marks = {content.scene.camera, content.wsMiddle};
+    writePreview(path, image, window, content.colour, look);
 }
 
 }  // namespace

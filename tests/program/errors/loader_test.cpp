@@ -127,7 +127,7 @@ TEST_F(Loader, OutlivesChildrenThatCrash) {
     for (int i = 0; i < 5; ++i) {
         const Descriptor transfer(createTransfer());  // without a request: nothing that a child could do
         const Descriptor input(::open(good().c_str(), O_RDONLY | O_CLOEXEC));
-        LoadJob job("", LoadedFiles::volumes, "some.vdb", transfer.fd(), input.fd(), {std::size_t{1} << 30}, false);
+        LoadJob job("", LoadedFiles::volumes, "some.vdb", {transfer.fd(), input.fd()}, {std::size_t{1} << 30}, false);
         EXPECT_EQ(errorOf(ErrorKind::input, [&] { job.wait({}); }),
                   "some.vdb: damaged: reading it crashed (signal SIGABRT)");
         EXPECT_GT(activeVoxels(), 0u);

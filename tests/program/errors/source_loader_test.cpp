@@ -371,7 +371,9 @@ class StuckChild : public SourceLoader {
         const LoadLimits limits{std::size_t{1} << 30, std::chrono::seconds{1}};
         std::optional<LoadJob> job;
         // Each thread that a source may have adds a second: it may have one.
-        TaskArena(1).run([&] { job.emplace("", files, request.path, transfer.fd(), input, limits, false); });
+        TaskArena(1).run([&] {
+            job.emplace("", files, request.path, LoadJob::Descriptors{transfer.fd(), input}, limits, false);
+        });
         if (computes) {
             ASSERT_TRUE(comesTrue(isThere));
             ASSERT_TRUE(comesTrue(isGone));

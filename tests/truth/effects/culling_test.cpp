@@ -168,14 +168,14 @@ TEST(UselessLights, AreNamedWithTheirReasons) {
     scene.lights[4].wsDirection = {1, 0, 0};
     scene.volumes[0].lights = {true, true, false, false, true};
     scene.volumes[1].lights = {false, false, false, true, false};
-    const std::vector<std::string> reasons = culledLights(scene);
+    const std::vector<std::string> reasons = culledLights(scene, subLights(scene));
     EXPECT_EQ(reasons[0], "");
     EXPECT_EQ(reasons[1], "it is black");
     EXPECT_EQ(reasons[2], "no volume is linked to it");
     EXPECT_EQ(reasons[3], "it lights nothing in view");
     EXPECT_EQ(reasons[4], "its beam misses every volume in view");
     for (ViewVolume& volume : scene.volumes) volume.medium.albedo = Rgb(0);
-    EXPECT_EQ(culledLights(scene)[0], "no volume scatters light");
+    EXPECT_EQ(culledLights(scene, subLights(scene))[0], "no volume scatters light");
     const std::vector<Effect> effects = effectsOf(scene, makePlan(scene, 2));
     EXPECT_TRUE(effectOf(effects, "lights culled").on);
     EXPECT_NE(effectOf(effects, "lights culled").reason.find("'key': no volume scatters light"), std::string::npos);

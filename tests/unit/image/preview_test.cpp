@@ -51,7 +51,7 @@ Picture readPicture(const std::string& path) {
 
 std::string errorOf(ErrorKind kind, const std::string& path, const PixelWindow& window, const std::string& view) {
     try {
-        writePreview(path, emptyImage(kFrame), window, ownConfig(), "", view);
+        writePreview(path, emptyImage(kFrame), window, ownConfig(), {"", view});
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), kind);
         return error.what();
@@ -65,7 +65,7 @@ TEST(Preview, ClampsAndCompositesOverBlack) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float pixels[] = {2, -1, nan, 1, 0.5f, 0.25f, 0, 0.5f};
     std::copy(std::begin(pixels), std::end(pixels), image.rgba.begin());
-    writePreview(folder.file("a.png"), image, kFrame, ownConfig(), "sRGB", "Raw");
+    writePreview(folder.file("a.png"), image, kFrame, ownConfig(), {"sRGB", "Raw"});
     const Picture picture = readPicture(folder.file("a.png"));
     ASSERT_EQ(picture.channels, 3) << "opaque";
     EXPECT_EQ(picture.at(0, 0), (std::vector<int>{255, 0, 0}));
@@ -78,7 +78,7 @@ TEST(Preview, ShowsTheWholeFrameAndNoOverscan) {
     const test::TempFolder folder;
     Image image = emptyImage({-1, 1, 2, 7});
     for (float& value : image.rgba) value = 1.0f;
-    writePreview(folder.file("a.png"), image, kFrame, ownConfig(), "", "Raw");
+    writePreview(folder.file("a.png"), image, kFrame, ownConfig(), {"", "Raw"});
     const Picture picture = readPicture(folder.file("a.png"));
     ASSERT_EQ(picture.width, 4);
     ASSERT_EQ(picture.height, 3);
@@ -91,13 +91,13 @@ TEST(Preview, UsesTheConfigsDefaultView) {
     const test::TempFolder folder;
     Image image = emptyImage(kFrame);
     for (float& value : image.rgba) value = 0.18f;
-    writePreview(folder.file("a.png"), image, kFrame, ownConfig(), "", "");
+    writePreview(folder.file("a.png"), image, kFrame, ownConfig(), {"", ""});
     for (const int byte : readPicture(folder.file("a.png")).at(2, 1)) EXPECT_NEAR(byte, 0.356 * 255, 1);
 }
 
 TEST(Preview, WritesJpegByExtension) {
     const test::TempFolder folder;
-    writePreview(folder.file("a.jpg"), emptyImage(kFrame), kFrame, ownConfig(), "", "");
+    writePreview(folder.file("a.jpg"), emptyImage(kFrame), kFrame, ownConfig(), {"", ""});
     const Picture picture = readPicture(folder.file("a.jpg"));
     EXPECT_EQ(picture.width, 4);
     EXPECT_EQ(picture.channels, 3);
@@ -128,7 +128,7 @@ TEST(Preview, AFullDiskLeavesNothing) {
         for (const std::size_t limit : {10u, 3000u, 20000u}) {
             const test::FileSizeLimit full(limit);
             try {
-                writePreview(folder.file(name), noise, noise.window, ownConfig(), "", "Raw");
+                writePreview(folder.file(name), noise, noise.window, ownConfig(), {"", "Raw"});
                 FAIL() << "no error with " << name << " and " << limit;
             } catch (const Error& error) {
                 EXPECT_EQ(std::string(error.what()),

@@ -60,7 +60,7 @@ void loseSheets(ViewScene&, Plan& plan) {
 
 void loseLight(ViewScene&, Plan& plan) {
     for (GroupPlan& group : plan.groups)
-        std::erase_if(group.lights, [](const PlannedLight& light) { return light.light == 1; });
+        std::erase_if(group.lights, [](const PlannedLight& light) { return light.light == PlanLight(1); });
 }
 
 void loseVolume(ViewScene& scene, Plan& plan) {

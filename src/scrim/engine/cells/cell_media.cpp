@@ -263,10 +263,10 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin) {
 }
 
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
-                    const Vec3& wsCorner, double margin, bool walls, const std::vector<bool>& dense) {
+                    const CellPlaces& places) {
     CellMedia media;
-    std::vector<Bounds> boxes = cellBoxes(scene, std::max(edge, margin));
-    walls = walls && !boxes.empty() && solidsBlock(scene);
+    std::vector<Bounds> boxes = cellBoxes(scene, std::max(edge, places.margin));
+    const bool walls = places.walls && !boxes.empty() && solidsBlock(scene);
     if (walls) {
         Bounds all;
         for (const Bounds& box : boxes) all.include(box);
@@ -275,7 +275,7 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
             CellGrid::boxesOfWalls(*scene.solids, edge, all, {all.lower - reach, all.upper + reach});
         boxes.insert(boxes.end(), more.begin(), more.end());
     }
-    media.grid = CellGrid(edge, boxes, wsCorner);
+    media.grid = CellGrid(edge, boxes, places.wsCorner);
     if (walls) media.grid.raiseWalls(scene.solids);
     const auto rows = [&](bool one) {
         return std::vector<std::vector<Real>>(one ? 1 : 3, std::vector<Real>(media.grid.cells(), Real(0)));
@@ -283,12 +283,12 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
     media.extinction = rows(greyExtinction(scene));
     for (std::size_t k = 0; k < classes.size(); ++k) media.scattering.push_back(rows(greyScattering(scene)));
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-        if (!dense.empty() && !dense[v]) continue;
+        if (!places.dense.empty() && !places.dense[v]) continue;
         std::vector<std::vector<Real>>* scattering = nullptr;
         for (std::size_t k = 0; k < classes.size(); ++k)
             if (std::count(classes[k].volumes.begin(), classes[k].volumes.end(), static_cast<int>(v)))
                 scattering = &media.scattering[k];
-        addVolume(media, scene.volumes[v], scattering, margin, simd);
+        addVolume(media, scene.volumes[v], scattering, places.margin, simd);
         for (const ViewEmission& emission : scene.volumes[v].emission) {
             if (media.emission.empty()) media.emission = rows(false);
             if (emission.field.field->empty()) continue;

@@ -93,16 +93,24 @@ inline Vec3 cornerOfVoxels(const ViewScene& scene, double edge) {
 /// The boxes that cells must cover: around each block of voxels of `scene`, with a margin of `margin` world units.
 std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin);
 
+/// Where cells are, and what is in them.
+struct CellPlaces {
+    Vec3 wsCorner{0};   ///< a cell has a corner there
+    double margin = 0;  ///< world units that cells reach beyond the blocks of voxels; at least one edge
+    /// Solids that stop light stand in the grid, whose cells then also reach those that send light back, up to half of
+    /// the volumes' size beyond these.
+    bool walls = false;
+    /// For each volume of the scene, whether its values are added to the cells (castersIn); empty: all are. The grid
+    /// does not depend on it.
+    std::vector<bool> dense = {};
+};
+
 /// All volumes of the scene in cells of `edge` world units. A voxel counts as a cube of constant value (in a rotated
 /// volume, as its box along the world's axes), and each cell gets its share, so that sums are preserved. In cells
 /// smaller than voxels that reach as far as kernels do, it counts as a tent, for means of the interpolated field.
-/// Throws Error(memory) as CellGrid does. A cell has a corner at `wsCorner`. Cells reach `margin` world units beyond
-/// the blocks of voxels, and at least one edge. With `walls`, solids that stop light stand in the grid, whose cells
-/// then also reach those that send light back, up to half of the volumes' size beyond these. `dense`: for each volume
-/// of the scene, whether its values are added to the cells (castersIn); empty: all are. The grid does not depend on it.
+/// Throws Error(memory) as CellGrid does.
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
-                    const Vec3& wsCorner = Vec3(0), double margin = 0, bool walls = false,
-                    const std::vector<bool>& dense = {});
+                    const CellPlaces& places = {});
 
 /// Subtracts the light that scatters straight on from extinction and scattering, by how `classes` split it.
 void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes);

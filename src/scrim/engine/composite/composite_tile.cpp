@@ -200,16 +200,15 @@ HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets
         walkAny<false>(rays, sheets, state, first);
 }
 
-HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const Real* at, const Real* plane, int width, int height,
-                                  const OutputLayout& layout, Real* samples) {
-    const int floats = layout.floats();
+HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const Real* at, const ShadedPlane& plane, Real* samples) {
+    const int floats = plane.layout.floats(), width = plane.width, height = plane.height;
     for (int k = 0; k < kTileSize; ++k) {
         const Real u = std::clamp(rays.u[k] + at[k] * rays.stepU[k], Real(0), static_cast<Real>(width - 2));
         const Real v = std::clamp(rays.v[k] + at[k] * rays.stepV[k], Real(0), static_cast<Real>(height - 2));
         const Real column = std::floor(u), row = std::floor(v);
         const Real* texel =
-            plane + floats * (static_cast<std::ptrdiff_t>(row) * width + static_cast<std::ptrdiff_t>(column));
-        for (int q = 0; q < layout.quads(); ++q)
+            plane.texels + floats * (static_cast<std::ptrdiff_t>(row) * width + static_cast<std::ptrdiff_t>(column));
+        for (int q = 0; q < plane.layout.quads(); ++q)
             store4(bilinear4(texel + 4 * q, floats, static_cast<std::ptrdiff_t>(floats) * width, u - column, v - row),
                    samples + floats * k + 4 * q);
     }
@@ -302,9 +301,8 @@ void keepSeenPart(const OutputLayout& layout, Real part, const Real* sample, Rea
     HWY_STATIC_DISPATCH(keepPart)(layout, part, sample, kept);
 }
 
-void samplePlane(const RayTile& rays, const Real* at, const Real* plane, int width, int height,
-                 const OutputLayout& layout, Real* samples, Simd simd) {
-    SCRIM_ON_TARGET(simd, samplePlaneOnTarget)(rays, at, plane, width, height, layout, samples);
+void samplePlane(const RayTile& rays, const Real* at, const ShadedPlane& plane, Real* samples, Simd simd) {
+    SCRIM_ON_TARGET(simd, samplePlaneOnTarget)(rays, at, plane, samples);
 }
 
 void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* state,

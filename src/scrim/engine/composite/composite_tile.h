@@ -56,8 +56,14 @@ void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool front
 /// opacity.
 void keepSeenPart(const OutputLayout& layout, Real part, const Real* sample, Real* kept);
 
-/// Samples one plane at the rays' positions, `at[k]` planes from the batch's first.
-void samplePlane(const RayTile& rays, const Real* at, const Real* plane, int width, int height,
-                 const OutputLayout& layout, Real* samples, Simd simd = {});
+/// Texels of one shaded sheet.
+struct ShadedPlane {
+    const Real* texels;
+    int width, height;
+    OutputLayout layout = {};
+};
+
+/// Samples a plane at the rays' positions, `at[k]` planes from the batch's first.
+void samplePlane(const RayTile& rays, const Real* at, const ShadedPlane& plane, Real* samples, Simd simd = {});
 
 }  // namespace scrim

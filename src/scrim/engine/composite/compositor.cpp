@@ -208,7 +208,7 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
                 alignas(64) Real part[kTileSize], at[kTileSize];
                 Real* samples = sampleScratch(layout);
                 walk.cutSlab(m_frontToBack, step, part, at);
-                samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples,
+                samplePlane(walk.rays, at, {shaded.plane(p), shaded.width(), shaded.height(), layout}, samples,
                             m_eye.simd());
                 holdOut(tile, walk, part, at, samples);
                 const SheetSamples cut{samples, part, at, layout, m_eye.simd(), closed};
@@ -231,15 +231,17 @@ void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheet
     alignas(64) Real at[kTileSize];
     for (int s = 0; s < sheets.count; ++s) {
         std::fill(at, at + kTileSize, sheets.steps[s]);
-        samplePlane(walk.rays, at, sheets.planes[s], sheets.width, sheets.height, sheets.layout, samples, sheets.simd);
+        samplePlane(walk.rays, at, {sheets.planes[s], sheets.width, sheets.height, sheets.layout}, samples,
+                    sheets.simd);
         const SheetSamples whole{samples, nullptr, nullptr, sheets.layout, sheets.simd, sheets.closed};
         m_deep->add(tile, walk.block + static_cast<int>(sheets.steps[s]), whole, 0);
     }
 }
 
-// Shades where the tile's rays meet each plane; `cells`: see SheetShader::shadePoints.
-RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells,
-                                  const SheetShader& shader) {
+// Shades where the tile's rays meet each plane, by SheetShader::shadePoints or shadeCells: shade(p, points, open,
+// onward, samples, work).
+template <class Shade>
+RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade) {
     Real* states = m_tiles.states(tile);
     const OutputLayout& layout = m_tiles.layout();
     PixelTiles::FirstDepth* const first = firstDepth(tile);
@@ -274,8 +276,8 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
         std::uint8_t open[kTileSize];
         for (int k = 0; m_frontToBack && k < kTileSize; ++k)
             open[k] = 1 + states[layout.floats() * (k + 1) - 1] >= m_cutoff ? 1 : 0;
-        const bool shows = shader.shadePoints(p, points, cells, m_frontToBack ? open : nullptr,
-                                              onward && seen == Seen::all, samples, work.shade);
+        const bool shows =
+            shade(p, points, m_frontToBack ? open : nullptr, onward && seen == Seen::all, samples, work.shade);
         onward = seen == Seen::all;
         if (!shows) continue;
         const SheetSamples shaded{samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd(), closed};
@@ -284,6 +286,12 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
         compositeSamples(walk.rays, shaded, m_frontToBack, states, first);
     }
     return work;
+}
+
+RenderWork Compositor::shadePoints(const TileWalk& walk, int tile, const SheetShader& shader) {
+    return shadeAlong(walk, tile, shader, [&](int p, const SampleTile& points, auto&&... rest) {
+        return shader.shadePoints(p, points, rest...);
+    });
 }
 
 PixelTiles::FirstDepth* Compositor::firstDepth(int tile) {
@@ -354,20 +362,22 @@ RenderWork Compositor::throughTexels(int firstSheet, int count, const PlaneStack
         [&](int tile, const Range& range) { return compositeTexels(tile, range, shaded); });
 }
 
-RenderWork Compositor::throughPixels(int firstSheet, int count, const PlaneStack& covered, const Lattice& lattice,
-                                     const SheetShader& shader) {
-    if (lattice.shared())
-        return forOpenTiles(
-            firstSheet, count, [&](const Range& range) { return tilesThatSee(range, covered); },
-            [&](int tile, const Range& range) {
-                return shadeAlong(enter(tile, range, covered), tile, std::nullopt, shader);
-            });
+RenderWork Compositor::throughPixels(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader) {
+    return forOpenTiles(
+        firstSheet, count, [&](const Range& range) { return tilesThatSee(range, covered); },
+        [&](int tile, const Range& range) { return shadePoints(enter(tile, range, covered), tile, shader); });
+}
+
+RenderWork Compositor::throughCells(int firstSheet, int count, const PlaneStack& covered, int guardTiles,
+                                    const SheetShader& shader) {
     return forOpenTiles(
         firstSheet, count, [&](const Range&) { return m_tiles.all(); },
         [&](int tile, const Range& range) {
-            const Int2 cells(tile % m_tiles.tilesX() + lattice.guardTiles,
-                             tile / m_tiles.tilesX() + lattice.guardTiles);
-            return shadeAlong(enterCells(tile, range, covered, cells), tile, cells, shader);
+            const Int2 cells(tile % m_tiles.tilesX() + guardTiles, tile / m_tiles.tilesX() + guardTiles);
+            return shadeAlong(enterCells(tile, range, covered, cells), tile, shader,
+                              [&](int p, const SampleTile& points, auto&&... rest) {
+                                  return shader.shadeCells(p, points, cells, rest...);
+                              });
         });
 }
 
@@ -378,7 +388,7 @@ RenderWork Compositor::throughLevel(int firstSheet, int count, const PlaneStack&
         [&](const Range& range) { return walking.own == nullptr ? tilesThatSee(range, covered) : m_tiles.all(); },
         [&](int tile, const Range& range) {
             if (!walking.walks(tile)) return RenderWork{};
-            return shadeAlong(enter(tile, range, covered, &shader), tile, std::nullopt, shader);
+            return shadePoints(enter(tile, range, covered, &shader), tile, shader);
         });
 }
 

@@ -44,10 +44,13 @@ class Compositor {
     /// return the pixel and sheet pairs, and the work of shading on the way.
     RenderWork throughTexels(int firstSheet, int count, const PlaneStack& shaded);
 
-    /// Shades where the pixels' rays meet the sheets, and composites that. `covered`: the active tiles of `lattice`, on
-    /// which every pixel may have its own cells (per-view splatting).
-    RenderWork throughPixels(int firstSheet, int count, const PlaneStack& covered, const Lattice& lattice,
-                             const SheetShader& shader);
+    /// Shades where the pixels' rays meet the sheets, and composites that. `covered`: the active tiles of the sheets.
+    RenderWork throughPixels(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader);
+
+    /// The same with per-view splatting. `covered`: the active tiles of the eye's own lattice, which has `guardTiles`
+    /// tiles around the picture's.
+    RenderWork throughCells(int firstSheet, int count, const PlaneStack& covered, int guardTiles,
+                            const SheetShader& shader);
 
     /// The same for the sheets of a level, which the tiles `walking` walk.
     RenderWork throughLevel(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader,
@@ -64,7 +67,9 @@ class Compositor {
     RenderWork compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
     void keepDeep(int tile, const TileWalk& walk, const SheetList& sheets);
     const std::uint8_t* closedIn(int tile, const TileWalk& walk);
-    RenderWork shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells, const SheetShader& shader);
+    template <class Shade>
+    RenderWork shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade);
+    RenderWork shadePoints(const TileWalk& walk, int tile, const SheetShader& shader);
     TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, const Int2& cells) const;
     template <class BoxOf, class Walk>
     RenderWork forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);

@@ -2,6 +2,7 @@
 #include <scrim/engine/light/light_sweep.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/light/view_shadow.h>
 #include <scrim/scene/light_at.h>
 
 #include <algorithm>
@@ -25,6 +26,37 @@ double pathInSheets(const LightView& view) {
     return std::sqrt(1 + glm::dot(slope, slope));
 }
 
+// A light that shines from a point at this distance from a sheet's plane.
+NearOnSheet nearLight(const Light& light, const PlannedLight& plan, const Sheets& sheets, double distanceW) {
+    NearOnSheet out;
+    out.texelU = static_cast<Real>(plan.view.tsSource.x);
+    out.texelV = static_cast<Real>(plan.view.tsSource.y);
+    out.distanceW = static_cast<Real>(distanceW);
+    out.decay = light.point().decay;
+    const double radius = std::max(light.point().radius, kLeastRadius * sheets.thickness);
+    out.radius2 = static_cast<Real>(radius * radius);
+    const Vec3 axis = sheets.ssFromWs * light.wsDirection;
+    out.axisU = static_cast<Real>(axis.x);
+    out.axisV = static_cast<Real>(axis.y);
+    out.axisW = static_cast<Real>(axis.z);
+    if (light.luminaire) {
+        NearOnSheet::Profile& profile = out.profile.emplace();
+        profile.table = light.luminaire->profile.get();
+        const Mat3 frame = sheets.ssFromWs * lightFrame(light);
+        for (int c = 0; c < 3; ++c) profile.frame[c] = frame[c];
+    }
+    if (const Light::Element* element = light.element()) {
+        const Spread spread(element->spread);
+        out.face = {static_cast<Real>(spread.tangent()), static_cast<Real>(spread.scale())};
+    }
+    if (const Light::Spot* spot = light.spot()) {
+        const SpotEdges edges(*spot);
+        out.cone = {static_cast<Real>(edges.outer), static_cast<Real>(edges.inner)};
+    }
+    if (!plan.ssWindows.empty()) out.window = {&plan.ssWindows, plan.window, static_cast<Real>(std::cos(kWindowAngle))};
+    return out;
+}
+
 }  // namespace
 
 // The data of one light's shadows; empty for an unshadowed one.
@@ -38,8 +70,7 @@ struct LightSweep::Caster {
 LightSweep::~LightSweep() = default;
 
 LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
-    : m_scene(scene),
-      m_group(group),
+    : m_group(group),
       m_subLights(plan.subLights),
       m_channels(plan.extinction.count()),
       m_passSolids(solidsBlock(scene)),
@@ -136,58 +167,24 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     constexpr double kLeastPart = 1e-3;  // of a sheet
     const double part = plan.view.litPart(sheet);
     if (part < kLeastPart) return std::nullopt;
-    const Light& light = m_scene.lights[plan.light];
-    const Sheets& sheets = m_group.sheets;
+    const Light& light = m_subLights.of(plan.light);
     SheetLight out;
     out.shadowed = !m_casters[i].channels.empty();
     out.output = m_group.outputs.ofLights[i];
     out.index = plan.light;
     out.withinSheet = !plan.view.distant || pathInSheets(plan.view) < kSteepestPath;
     for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<Real>(part * plan.share * light.intensity[c]);
-    out.distant = plan.view.distant;
     const double stands = m_subLights.partOf(plan.light);
-    out.part = static_cast<Real>(out.distant ? capOf(stands) : stands);
+    out.part = static_cast<Real>(plan.view.distant ? capOf(stands) : stands);
     if (light.slide)
-        out.slide = {light.slide->image.get(), light.slide->outside, sheetMap(slideMap(light), sheets, sheet + 0.5),
-                     m_simd};
-    if (out.distant) {
+        out.slide = {light.slide->image.get(), light.slide->outside,
+                     sheetMap(slideMap(light), m_group.sheets, sheet + 0.5), m_simd};
+    if (plan.view.distant) {
         const Vec2 slope = plan.view.slopeAt(0, 0);
-        out.slopeA = static_cast<Real>(slope.x);
-        out.slopeB = static_cast<Real>(slope.y);
-        return out;
-    }
-    out.texelU = static_cast<Real>(plan.view.tsSource.x);
-    out.texelV = static_cast<Real>(plan.view.tsSource.y);
-    const double away = part < 1 ? 0.5 * part : sheet + 0.5 - plan.view.tsSource.z;
-    out.distanceW = static_cast<Real>(away * sheets.thickness);
-    out.decay = light.point().decay;
-    const double radius = std::max(light.point().radius, kLeastRadius * sheets.thickness);
-    out.radius2 = static_cast<Real>(radius * radius);
-    const Vec3 axis = sheets.ssFromWs * light.wsDirection;
-    out.axisU = static_cast<Real>(axis.x);
-    out.axisV = static_cast<Real>(axis.y);
-    out.axisW = static_cast<Real>(axis.z);
-    if (light.luminaire) {
-        out.profile = light.luminaire->profile.get();
-        const Mat3 frame = sheets.ssFromWs * lightFrame(light);
-        for (int c = 0; c < 3; ++c) out.profileFrame[c] = frame[c];
-    }
-    if (const Light::Element* element = light.element()) {
-        const Spread spread(element->spread);
-        out.oneSided = true;
-        out.spreadTangent = static_cast<Real>(spread.tangent());
-        out.spreadScale = static_cast<Real>(spread.scale());
-    }
-    if (const Light::Spot* spot = light.spot()) {
-        const SpotEdges edges(*spot);
-        out.spot = true;
-        out.cosOuter = static_cast<Real>(edges.outer);
-        out.cosInner = static_cast<Real>(edges.inner);
-    }
-    if (!plan.ssWindows.empty()) {
-        out.windows = &plan.ssWindows;
-        out.window = plan.window;
-        out.windowCos = static_cast<Real>(std::cos(kWindowAngle));
+        out.source = DistantOnSheet{static_cast<Real>(slope.x), static_cast<Real>(slope.y)};
+    } else {
+        const double away = part < 1 ? 0.5 * part : sheet + 0.5 - plan.view.tsSource.z;
+        out.source = nearLight(light, plan, m_group.sheets, away * m_group.sheets.thickness);
     }
     return out;
 }
@@ -251,7 +248,9 @@ void LightSweep::lookUpEnds(int p, std::size_t number, const SampleTile& samples
     const Real texels = thickness / static_cast<Real>(m_group.sheets.texel);
     // The field at a few points does not tell the course of a light within the sheet, or of one that crosses it at a
     // steep slant. Both ends are then looked up in the middle.
-    const bool apart = light.withinSheet && (light.distant || light.distanceW > thickness);
+    const NearOnSheet* const lamp = light.near();
+    const DistantOnSheet sun = light.distant() ? *light.distant() : DistantOnSheet();
+    const bool apart = light.withinSheet && (!lamp || lamp->distanceW > thickness);
     // Few of a tile's samples meet something in one sheet. Only theirs are looked up.
     thread_local SampleTile some, rays;
     int live[kTileSize], count = 0;
@@ -271,12 +270,12 @@ void LightSweep::lookUpEnds(int p, std::size_t number, const SampleTile& samples
     alignas(64) Real tau[kTileSize];
     for (const Real face : {Real(-0.5), Real(0.5)}) {
         const Real shift = apart ? face : Real(0);  // sheets from the middle plane
-        const Real inverse = light.distant ? Real(0) : 1 / (light.distanceW / thickness + shift);
+        const Real inverse = lamp ? 1 / (lamp->distanceW / thickness + shift) : Real(0);
         for (int k = 0; k < kTileSize; ++k) {
             const Real u = some.u[k] + shift * texels * some.eyeA[k];
             const Real v = some.v[k] + shift * texels * some.eyeB[k];
-            const Real du = light.distant ? light.slopeA * texels : (u - light.texelU) * inverse;
-            const Real dv = light.distant ? light.slopeB * texels : (v - light.texelV) * inverse;
+            const Real du = lamp ? (u - lamp->texelU) * inverse : sun.slopeA * texels;
+            const Real dv = lamp ? (v - lamp->texelV) * inverse : sun.slopeB * texels;
             rays.u[k] = u - shift * du;
             rays.v[k] = v - shift * dv;
             rays.eyeA[k] = du / texels;

@@ -57,7 +57,6 @@ class LightSweep {
     void enterBatch(int firstSheet, int count);
     std::optional<SheetLight> atSheet(std::size_t light, int sheet) const;
 
-    const ViewScene& m_scene;
     const GroupPlan& m_group;
     const SubLights& m_subLights;
     int m_channels;

@@ -26,6 +26,12 @@ TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles)
     return {tile(lower), tile(upper)};
 }
 
+// From texels of a sheet to the cells of a light there.
+PlaneMap cellsFrom(const LightView::Cells& map) {
+    return {static_cast<Real>(1 / map.scale), static_cast<Real>(-map.offsetU / map.scale),
+            static_cast<Real>(-map.offsetV / map.scale)};
+}
+
 }  // namespace
 
 ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps,
@@ -256,8 +262,7 @@ void ShadowBuffer::lookUpPoints(int s, const Real* u, const Real* v, int count, 
     }
     const LightView::Cells map = m_view.at(m_firstSheet + s);
     if (m_anywhere) return lookUpPatch(s, map, u, v, count, tau);
-    samplePoints(entryPlane(s), u, v, m_nearest, count, tau, static_cast<Real>(1 / map.scale),
-                 static_cast<Real>(-map.offsetU / map.scale), static_cast<Real>(-map.offsetV / map.scale));
+    samplePoints(entryPlane(s), u, v, m_nearest, count, tau, cellsFrom(map));
 }
 
 void ShadowBuffer::lookUpNow(double plane, const Real* u, const Real* v, int count, Real* tau) const {
@@ -267,8 +272,7 @@ void ShadowBuffer::lookUpNow(double plane, const Real* u, const Real* v, int cou
     }
     const LightView::Cells map = m_view.atPlane(plane);
     samplePoints({m_tau.data(), m_view.width, m_view.height, 0, 0, m_simd}, u, v, m_nearest, count, tau,
-                 static_cast<Real>(1 / map.scale), static_cast<Real>(-map.offsetU / map.scale),
-                 static_cast<Real>(-map.offsetV / map.scale));
+                 cellsFrom(map));
 }
 
 void ShadowBuffer::lookUpWithin(double plane, Real part, const Real* u, const Real* v, int count, Real* tau) const {
@@ -319,7 +323,7 @@ void ShadowBuffer::lookUpPatch(int s, const LightView::Cells& map, const Real* u
             for (int y = 0; y < kTileEdge; ++y, source += stride, to += width) std::copy_n(source, kTileEdge, to);
         }
     samplePoints({patch.data(), width, box.height() * kTileEdge, box.x0 * kTileEdge, box.y0 * kTileEdge, m_simd}, u, v,
-                 m_nearest, count, tau, perCell, firstU, firstV);
+                 m_nearest, count, tau, {perCell, firstU, firstV});
 }
 
 Box2<double> ShadowBuffer::cellsOf(const Box2<double>& texels, double plane) const {
@@ -362,8 +366,7 @@ void ShadowBuffer::lookUpBefore(int s, int back, const Real* u, const Real* v, i
         known[k] = isUsed(x, y) && isUsed(x + 1, y) && isUsed(x, y + 1) && isUsed(x + 1, y + 1);
     }
     const FloatPlane plane = own ? entryPlane(s - back) : planeOf(m_beforeEntry[before].data(), window);
-    samplePoints(plane, u, v, m_nearest, count, tau, static_cast<Real>(1 / map.scale),
-                 static_cast<Real>(-map.offsetU / map.scale), static_cast<Real>(-map.offsetV / map.scale));
+    samplePoints(plane, u, v, m_nearest, count, tau, cellsFrom(map));
 }
 
 std::size_t ShadowBuffer::bytes() const {
@@ -382,63 +385,6 @@ std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int
     const auto entry = std::size_t(std::min(window, static_cast<double>(raster))) *
                        std::size_t(batchSheets + (looksBefore ? kBefore : 0));
     return (raster + entry) * sizeof(Real);
-}
-
-namespace {
-
-// World length of the ray through cell (x, y) from one plane of N to the next.
-double pathThroughSheet(const Lattice& raster, const Sheets& sheets, double x, double y) {
-    const Vec3 direction = raster.rayThrough(x, y) * Vec3(sheets.texel, sheets.texel, sheets.thickness);
-    // A ray within the sheets would be infinitely long.
-    return sheets.thickness * glm::length(direction) / std::max(std::abs(direction.z), 1e-6 * glm::length(direction));
-}
-
-}  // namespace
-
-ViewShadow::ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd)
-    : m_raster(raster), m_simd(simd), m_nearest(filter == ShadowFilter::nearest) {
-    const auto cells = std::size_t(raster.width) * std::size_t(raster.height);
-    m_tau = ZeroedArray<Real>(cells);
-    m_entry = ZeroedArray<Real>(cells * std::size_t(batchSheets));
-    m_path.reserve(cells);
-    for (int y = 0; y < raster.height; ++y)
-        for (int x = 0; x < raster.width; ++x)
-            m_path.push_back(static_cast<Real>(pathThroughSheet(raster, sheets, x, y)));
-}
-
-std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction, const std::vector<const Surface*>&) {
-    const std::size_t first = std::size_t(task * kTileEdge) * std::size_t(m_raster.width);
-    const std::size_t count = std::size_t(kTileEdge) * std::size_t(m_raster.width);
-    for (int s = 0; s < m_count; ++s) {
-        std::copy_n(m_tau.data() + first, count, m_entry.data() + std::size_t(s) * m_tau.size() + first);
-        const Real* sigma = extinction.plane(s) + first;
-        for (std::size_t i = 0; i < count; ++i) m_tau[first + i] += sigma[i] * m_path[first + i];
-    }
-    return static_cast<std::uint64_t>(count) * static_cast<std::uint64_t>(m_count);
-}
-
-void ViewShadow::lookUpTile(int s, int texelX, int texelY, Real* tau) const {
-    alignas(64) Real u[kTileSize], v[kTileSize];
-    for (int k = 0; k < kTileSize; ++k) {
-        u[k] = static_cast<Real>(texelX + k % kTileEdge);
-        v[k] = static_cast<Real>(texelY + k / kTileEdge);
-    }
-    lookUpPoints(s, u, v, kTileSize, tau);
-}
-
-void ViewShadow::lookUpPoints(int s, const Real* u, const Real* v, int count, Real* tau) const {
-    const Mat3 rsFromPlane = m_raster.fromPlane(m_firstSheet + s + 0.5);
-    alignas(64) Real x[kTileSize], y[kTileSize];
-    for (int k = 0; k < count; ++k) {
-        const Vec3 p = rsFromPlane * Vec3(u[k], v[k], 1);
-        x[k] = static_cast<Real>(p.x / p.z);
-        y[k] = static_cast<Real>(p.y / p.z);
-    }
-    samplePoints({entry(s), m_raster.width, m_raster.height, 0, 0, m_simd}, x, y, m_nearest, count, tau);
-}
-
-std::size_t ViewShadow::bytes(const Lattice& raster, int batchSheets) {
-    return std::size_t(raster.width) * std::size_t(raster.height) * std::size_t(2 + batchSheets) * sizeof(Real);
 }
 
 }  // namespace scrim

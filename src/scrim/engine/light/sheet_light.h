@@ -13,10 +13,13 @@
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/model/eye_view.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/image/light_profile.h>
 #include <scrim/scene/slide_map.h>
 
+#include <optional>
 #include <span>
+#include <variant>
 #include <vector>
 
 namespace scrim {
@@ -33,37 +36,68 @@ struct SheetSlide {
 /// that is 0 for all samples. `toTexels`: texels per sheet, which converts slopes du/dw to texels.
 bool tintTile(const SheetSlide& slide, const SampleTile& samples, Real toTexels, Real* tint);
 
+/// A distant light on a sheet.
+struct DistantOnSheet {
+    Real slopeA = 0, slopeB = 0;  ///< du/dw, dv/dw
+};
+
+/// A light on a sheet that shines from a point, and what limits it.
+struct NearOnSheet {
+    /// A spot fades between these cosines to its axis.
+    struct Cone {
+        Real cosOuter, cosInner;
+    };
+    /// An element of a surface: irradiance has the cosine to its axis as factor, and is 0 behind it.
+    struct Face {
+        Real spreadTangent, spreadScale;  ///< see Spread; scale 0: none
+    };
+    /// Of a luminaire.
+    struct Profile {
+        const LightProfile* table;
+        Vec3 frame[3];  ///< its axes right, up and along the light
+    };
+    /// Windows divide a light close to the volume into overlapping parts. The share of this part in a direction is its
+    /// window's value there over the sum of all windows.
+    struct Window {
+        const std::vector<Vec3>* axes;  ///< of all windows
+        int number;                     ///< of this part's window among them
+        Real cosEdge;                   ///< a window falls to 0 at this cosine to its axis
+    };
+
+    Real texelU = 0, texelV = 0;           ///< position of the source, in texels
+    Real distanceW = 0;                    ///< its distance to the sheet's plane along w, world units, > 0
+    Real radius2 = 0;                      ///< world units squared, > 0 if the light decays
+    bool decay = true;                     ///< with the square of the distance
+    Real axisU = 0, axisV = 0, axisW = 1;  ///< for cones and faces
+    std::optional<Cone> cone = {};
+    std::optional<Profile> profile = {};
+    std::optional<Face> face = {};
+    std::optional<Window> window = {};
+};
+
 /// A light on one sheet. Directions are in sweep space, along which the light travels with +w.
 struct SheetLight {
-    bool distant = true;
-    bool spot = false;
-    /// An element of a surface: irradiance has the cosine to its axis as factor, and is 0 behind it.
-    bool oneSided = false;
+    std::variant<DistantOnSheet, NearOnSheet> source;
     bool shadowed = true;
     bool withinSheet = true;  ///< includes attenuation by the sheet itself
-    bool decay = true;
-    Real slopeA = 0, slopeB = 0;                ///< distant: du/dw, dv/dw
-    Real texelU = 0, texelV = 0;                ///< otherwise: position of the source, in texels
-    Real distanceW = 0;                         ///< and its distance to the sheet's plane along w, world units, > 0
-    Real radius2 = 0;                           ///< world units squared, > 0 if the light decays
-    Real axisU = 0, axisV = 0, axisW = 1;       ///< for spots and elements
-    const LightProfile* profile = nullptr;      ///< of a luminaire; null: none
-    Vec3 profileFrame[3];                       ///< its axes right, up and along the light
-    Real spreadTangent = 0, spreadScale = 0;    ///< elements with a spread (see Spread); scale 0: none
-    Real cosOuter = -1, cosInner = Real(-0.9);  ///< spot: the light fades between them
-    // Windows divide a light close to the volume into overlapping parts. The share of this part in a direction is its
-    // window's value there over the sum of all windows. Null: no windows.
-    const std::vector<Vec3>* windows = nullptr;  ///< axes in sweep space
-    int window = 0;
     /// What a sub-light stands for: if it is distant the half angle of a cap, else the area of a surface, world units
     /// squared; 0: it is a light of its own.
     Real part = 0;
-    Real windowCos = 0;  ///< a window falls to 0 at this cosine to its axis
     Real intensity[3] = {1, 1, 1};
-    int output = 0;                      ///< output that receives its light: a part of the beauty, or the beauty
-    int index = 0;                       ///< index among the lights of the plan
+    int output = 0;  ///< output that receives its light: a part of the beauty, or the beauty
+    PlanLight index{};
     std::span<const int> channels = {};  ///< the extinction channels that attenuate it, if shadowed
     SheetSlide slide;
+
+    const DistantOnSheet* distant() const { return std::get_if<DistantOnSheet>(&source); }
+    const NearOnSheet* near() const { return std::get_if<NearOnSheet>(&source); }
+
+    /// The slopes (du/dw, dv/dw) of its ray that crosses the sheet's plane at (u, v), in texels of edge `texel`.
+    Vec2 slopesAt(double u, double v, double texel) const {
+        if (const DistantOnSheet* sun = distant()) return {sun->slopeA, sun->slopeB};
+        const NearOnSheet& lamp = *near();
+        return {(u - lamp.texelU) * texel / lamp.distanceW, (v - lamp.texelV) * texel / lamp.distanceW};
+    }
 };
 
 }  // namespace scrim

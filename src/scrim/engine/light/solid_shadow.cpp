@@ -76,7 +76,8 @@ Rgb transmittance(const Marcher& marcher, std::size_t owner, const Parts& parts,
 Parts partsOf(const ViewScene& scene, const SubLights& subLights, std::size_t index) {
     Parts parts;
     if (!scene.lights[index].shadows) return parts;
-    if (subLights.owners.empty() && !scene.lights[index].extended()) parts.emplace_back(scene.lights[index]);
+    // Without visible volumes a plan has no lights.
+    if (subLights.lights.empty() && !scene.lights[index].extended()) parts.emplace_back(scene.lights[index]);
     for (std::size_t i = 0; i < subLights.owners.size(); ++i)
         if (subLights.owners[i] == static_cast<int>(index)) parts.emplace_back(subLights.lights[i]);
     return parts;

@@ -45,7 +45,7 @@ struct OutputLayout {
     bool coloured = false;
     bool beauty = true;
     int ambient = 0, emission = 0;             ///< the outputs that receive light which belongs to no light
-    int indirect = 0;                          ///< receives what has scattered more than once, too; 0: none
+    std::optional<int> indirect;               ///< receives what has scattered more than once, too
     std::optional<int> albedo, depth, motion;  ///< the outputs of these layers, where they are asked for
     /// The output for the opacity of what is visible, in each channel, if something hides without being visible. It is
     /// then the picture's alpha. It is not a layer, and is the last output.
@@ -65,7 +65,7 @@ struct SweepOutputs {
     std::vector<Output> list;  ///< element i is output i + 1
     OutputLayout layout;
     std::vector<int> ofLights;        ///< the output of each of the sweep's lights
-    std::vector<int> ofVolumes = {};  ///< the output of each of ViewScene::volumes; 0: none
+    std::vector<int> ofVolumes = {};  ///< the output of each of ViewScene::volumes; empty: they have none
     std::vector<int> opacities = {};  ///< likewise, for their opacities; empty: none is wanted
 };
 
@@ -200,7 +200,7 @@ constexpr double kWindowAngle = 0.5585;  // 32 degrees
 /// A light of a sweep, from grouping to shading: a light of the plan, or the part of it in one window of directions.
 /// Grouping sets the first members, planLight the others once the sheets are known.
 struct PlannedLight {
-    int light = 0;                   ///< index into the lights of the plan, none of which is extended
+    PlanLight light{};
     std::vector<Vec3> wsDirections;  ///< unit directions of travel; all rays that meet the volume lie in their cone
     /// Axes of all windows that overlap this part's window, including that one; empty: not split.
     std::vector<Vec3> wsWindows;
@@ -272,7 +272,7 @@ inline PixelWindow supersampled(const PixelWindow& window, int n) {
 struct Plan {
     TransportPlan transport;          ///< for multiply scattered light
     CellLightPlan cellLights;         ///< for single scattering of extended lights
-    SubLights subLights;              ///< the lights that the engine uses; empty: those of the scene
+    SubLights subLights;              ///< the lights of all sweeps; none if nothing is visible
     std::vector<int> layersOfLights;  ///< lightOfLayer of each of the scene's lights
     std::vector<GroupPlan> groups;    ///< in the order of eye parts; empty if nothing is visible
     int threads = 1;                  ///< number of threads of the render
@@ -301,11 +301,8 @@ struct Plan {
     RenderWork work;
 };
 
-/// lightOf: light `i` of the plan. ownerOf: the light of the scene that it belongs to.
-inline const Light& lightOf(const ViewScene& scene, const Plan& plan, int i) {
-    return plan.subLights.owners.empty() ? scene.lights[std::size_t(i)] : plan.subLights.lights[std::size_t(i)];
-}
-inline const Light& ownerOf(const ViewScene& scene, const Plan& plan, int i) {
+/// The light of the scene that light `i` of the plan belongs to.
+inline const Light& ownerOf(const ViewScene& scene, const Plan& plan, PlanLight i) {
     return scene.lights[std::size_t(plan.subLights.ownerOf(i))];
 }
 

@@ -358,7 +358,6 @@ std::vector<Vec3> pointsOfLamp(const Light& light, int count) {
 }
 
 int SubLights::countOf(int owner) const {
-    if (owners.empty()) return 1;
     const auto [first, last] = std::equal_range(owners.begin(), owners.end(), owner);
     return static_cast<int>(last - first);
 }
@@ -404,6 +403,17 @@ void addSuns(const ViewScene& scene, const Light& dome, SubLights& all) {
     }
 }
 
+// The lights that buffers bring to a volume; empty: all of them.
+std::vector<bool> litIn(const SubLights& all, const std::vector<ServedLight>& served, std::size_t volume) {
+    std::vector<bool> lit;
+    for (std::size_t i = 0; i < all.owners.size(); ++i) {
+        const Server server = served[std::size_t(all.owners[i])].volumes[volume];
+        lit.push_back(server == Server::buffers || (all.suns[i] && server != Server::none));
+    }
+    if (std::ranges::find(lit, false) == lit.end()) lit.clear();
+    return lit;
+}
+
 }  // namespace
 
 std::vector<Light> sunsOfSky(const ViewScene& scene, const Light& dome) {
@@ -418,10 +428,6 @@ SubLights subLights(const ViewScene& scene) {
 
 SubLights subLights(const ViewScene& scene, const std::vector<ServedLight>& served) {
     SubLights all;
-    const bool extended =
-        std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.extended(); });
-    if (!extended && std::ranges::all_of(served, &ServedLight::inSweeps)) return all;
-    all.served = served;
     const Bounds ws = wsBounds(scene);
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
@@ -456,36 +462,27 @@ SubLights subLights(const ViewScene& scene, const std::vector<ServedLight>& serv
         }
         all.owners.resize(all.lights.size(), static_cast<int>(i));
     }
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) all.lit.push_back(litIn(all, served, v));
     return all;
 }
 
 ViewScene withFewSubLights(const ViewScene& scene, int count) {
-    ViewScene few = scene, plain;
+    ViewScene few = scene;
     for (Light& light : few.lights) {
         if (!light.extended()) continue;
         light.samples = light.samples > 0 ? std::min(light.samples, count) : count;
         if (light.slide && !light.slide->image) light.slide.reset();
     }
-    return withSubLights(few, subLights(few), plain);
-}
-
-const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, ViewScene& plain) {
-    if (lights.owners.empty()) return scene;
-    plain = scene;
-    plain.lights = lights.lights;
-    for (std::size_t v = 0; v < plain.volumes.size(); ++v) {
-        ViewVolume& volume = plain.volumes[v];
+    const SubLights all = subLights(few);
+    few.lights = all.lights;
+    for (std::size_t v = 0; v < few.volumes.size(); ++v) {
+        ViewVolume& volume = few.volumes[v];
         const std::vector<bool> shadowsByOwner = std::exchange(volume.shadows, {});
-        for (std::size_t i = 0; i < lights.owners.size() && !shadowsByOwner.empty(); ++i)
-            volume.shadows.push_back(shadowsByOwner[std::size_t(lights.owners[i])]);
-        volume.lights.clear();
-        for (std::size_t i = 0; i < lights.owners.size(); ++i) {
-            const Server server = lights.served[std::size_t(lights.owners[i])].volumes[v];
-            volume.lights.push_back(server == Server::buffers || (lights.suns[i] && server != Server::none));
-        }
-        if (std::ranges::find(volume.lights, false) == volume.lights.end()) volume.lights.clear();
+        for (std::size_t i = 0; i < all.owners.size() && !shadowsByOwner.empty(); ++i)
+            volume.shadows.push_back(shadowsByOwner[std::size_t(all.owners[i])]);
+        volume.lights = all.lit[v];
     }
-    return plain;
+    return few;
 }
 
 bool shinesInBeams(const ViewScene& scene, const Light& light) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Represents an extended light by a sum of lights that the engine can handle: points of a surface, directions of the
-// sun's disk or of the sky. All later stages see only these sub-lights; their light belongs to their owner.
+// The lights of a plan: those of the scene, and for an extended one a sum of lights that sweeps can handle: points of a
+// surface, directions of the sun's disk or of the sky. Sweeps see only these; their light belongs to their owner.
 //
 // A sum of N sub-lights converges to the true light, which a blurred single shadow buffer does not. As long as N stays
 // the same, their pattern is fixed to the light and is the same in all frames. There are two exceptions, which depend
@@ -16,23 +16,27 @@
 
 namespace scrim {
 
+/// The number of a light of the plan. It is not the number of a light of the scene, which is an `int`.
+enum class PlanLight : int {};
+
 struct SubLights {
-    /// None is extended; empty if the scene has no extended lights: then the scene's own lights are used.
-    std::vector<Light> lights;
-    std::vector<int> owners;  ///< for each of them the index into the lights of the scene, ascending
-    std::vector<bool> suns;   ///< for each of them whether it belongs to a sun in the picture of a sky
+    std::vector<Light> lights;  ///< at least one for each light of the scene; none is extended
+    std::vector<int> owners;    ///< for each of them the index into the lights of the scene, ascending
+    std::vector<bool> suns;     ///< for each of them whether it belongs to a sun in the picture of a sky
     /// For each of them what it stands for: of a sun or sky the solid angle, of a surface the area (world units
     /// squared); 0: it is a light of the scene itself.
     std::vector<double> parts;
 
-    std::vector<ServedLight> served;  ///< for each light of the scene; empty where `lights` is
+    /// For each volume of the scene, which of `lights` buffers bring to it; empty: all of them.
+    std::vector<std::vector<bool>> lit;
 
-    /// The scene's light that light `i` of the plan belongs to.
-    int ownerOf(int i) const { return owners.empty() ? i : owners[std::size_t(i)]; }
+    const Light& of(PlanLight i) const { return lights[std::size_t(i)]; }
+    /// The scene's light that light `i` belongs to.
+    int ownerOf(PlanLight i) const { return owners[std::size_t(i)]; }
     /// The number of lights that represent light `owner` of the scene.
     int countOf(int owner) const;
-    /// What light `i` of the plan stands for.
-    double partOf(int i) const { return parts.empty() ? 0 : parts[std::size_t(i)]; }
+    /// What light `i` stands for.
+    double partOf(PlanLight i) const { return parts[std::size_t(i)]; }
 };
 
 /// The half angle (radians) of a cap that has this solid angle.
@@ -79,10 +83,6 @@ SubLights subLights(const ViewScene& scene);
 /// The scene with each extended light replaced by about `count` lights, for a rough look at it. Pictures need not be
 /// loaded.
 ViewScene withFewSubLights(const ViewScene& scene, int count);
-
-/// The scene with the plan's lights in place of its own, each of which shines on the volumes that buffers serve.
-/// `plain` holds the changed copy, if there is one.
-const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, ViewScene& plain);
 
 /// True if a surface with a spread is a sum of beams, parallel light through a window of its shape: its cone is smaller
 /// than what the surface fills of the sky at the volumes, which are all in front of it. Points, each with its cone,

@@ -446,7 +446,7 @@ void addMedia(const ViewScene& scene, const Vec3& wsCorner, double margin, Simd 
         if (job.media < sets.size()) continue;
         sets.push_back(casters);
         media.push_back(
-            cellMedia(scene, {}, media[0].grid.edge(), simd, wsCorner, margin, false, mediaAmong(scene, casters)));
+            cellMedia(scene, {}, media[0].grid.edge(), simd, {wsCorner, margin, false, mediaAmong(scene, casters)}));
         surfaces.addTo(media.back(), casters);
     }
 }
@@ -507,7 +507,8 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
     const double margin = (kernelRadius(scene) + 0.75 * scene.dials.sheetThickness) * voxelUnit(scene);
     const Vec3 wsCorner = cornerOfVoxels(scene, edge);
     const std::vector<bool> volumes = withVoxels(scene);
-    std::vector<CellMedia> media{cellMedia(scene, {}, edge, simd, wsCorner, margin, false, mediaAmong(scene, volumes))};
+    std::vector<CellMedia> media{
+        cellMedia(scene, {}, edge, simd, {wsCorner, margin, false, mediaAmong(scene, volumes)})};
     const int reach = 1 + static_cast<int>(std::ceil(margin / edge));
     const auto grid = std::make_shared<const CellGrid>(media.front().grid);
     const AllSurfaces surfaces(scene, *grid, wsCorner, margin);

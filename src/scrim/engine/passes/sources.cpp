@@ -46,7 +46,7 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     for (std::size_t i = 0; i < all.lights.size(); ++i)
         if (all.lights[i].intensity != Rgb(0) && !all.suns[i]) {
             out.lights.push_back(all.lights[i]);
-            out.owners.push_back(all.ownerOf(static_cast<int>(i)));
+            out.owners.push_back(all.owners[i]);
             out.parts.push_back(all.parts[i]);
         }
     out.ofScene = lights;

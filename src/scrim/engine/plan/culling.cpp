@@ -151,7 +151,7 @@ std::vector<Vec3> visibleParts(const Camera& camera, const PixelWindow& window, 
     return ViewFrustum(camera, window).visibleParts(wsCorners);
 }
 
-std::vector<std::string> culledLights(const ViewScene& scene) {
+std::vector<std::string> culledLights(const ViewScene& scene, const SubLights& lights) {
     const ViewFrustum frustum(scene.camera, wholePicture(scene));
     std::vector<std::vector<Vec3>> visible;  // of volumes that scatter
     bool scattering = false;
@@ -161,8 +161,8 @@ std::vector<std::string> culledLights(const ViewScene& scene) {
                                            : std::vector<Vec3>{});
     }
     std::vector<std::string> reasons;
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-        const Light& light = scene.lights[i];
+    for (std::size_t i = 0; i < lights.lights.size(); ++i) {
+        const Light& light = lights.lights[i];
         std::string& reason = reasons.emplace_back();
         if (light.intensity == Rgb(0)) {
             reason = "it is black";
@@ -170,7 +170,7 @@ std::vector<std::string> culledLights(const ViewScene& scene) {
         }
         bool linked = false, sees = false, reaches = false;
         for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-            if (!litBy(scene.volumes[v].lights, i)) continue;
+            if (!litBy(lights.lit[v], i)) continue;
             linked = true;
             if (visible[v].empty()) continue;
             sees = true;

@@ -22,8 +22,8 @@ namespace scrim {
 /// such points. Empty if nothing is visible.
 std::vector<Vec3> visibleParts(const Camera& camera, const PixelWindow& window, const std::vector<Vec3>& wsCorners);
 
-/// For each light the reason why it is culled because it contributes nothing; empty if it may contribute.
-std::vector<std::string> culledLights(const ViewScene& scene);
+/// For each of `lights` the reason why it is culled because it contributes nothing; empty if it may contribute.
+std::vector<std::string> culledLights(const ViewScene& scene, const SubLights& lights);
 
 /// A volume that may not be loaded yet.
 struct VolumeBox {

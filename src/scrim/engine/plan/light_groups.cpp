@@ -54,7 +54,8 @@ const std::vector<Vec3>& windowAxes() {
 
 // Divides a light's directions into the windows that meet the volume's cone (all windows, for a light inside) and the
 // light's own beam.
-void addWindows(int index, const Light& light, const Beam& beam, const Cone& cone, std::vector<PlannedLight>& parts) {
+void addWindows(PlanLight index, const Light& light, const Beam& beam, const Cone& cone,
+                std::vector<PlannedLight>& parts) {
     const std::vector<Vec3>& axes = windowAxes();
     const double volumeAngle = cone.cosAngle > 0 ? std::acos(cone.cosAngle) : std::numbers::pi;
     for (const Vec3& axis : axes) {
@@ -72,7 +73,7 @@ void addWindows(int index, const Light& light, const Beam& beam, const Cone& con
     }
 }
 
-void addParts(int index, const Light& light, const std::vector<Vec3>& corners, std::vector<PlannedLight>& parts) {
+void addParts(PlanLight index, const Light& light, const std::vector<Vec3>& corners, std::vector<PlannedLight>& parts) {
     if (light.distant()) {
         parts.push_back({index, {light.wsDirection}, {}, 0});
         return;
@@ -142,11 +143,12 @@ double shareOfSameSide(double cosine, double crossFade) {
 }
 
 // The parts in an order that does not depend on the scene's, with those closest to the eye's axis first.
-std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& eye,
-                               const std::vector<std::string>& culled, const Checkpoint& checkpoint) {
+std::vector<Item> orderedParts(const ViewScene& scene, const SubLights& lights, const std::vector<Vec3>& corners,
+                               const EyePart& eye, const std::vector<std::string>& culled,
+                               const Checkpoint& checkpoint) {
     std::vector<PlannedLight> parts;
-    for (std::size_t i = 0; i < scene.lights.size(); ++i)
-        if (culled.empty() || culled[i].empty()) addParts(static_cast<int>(i), scene.lights[i], corners, parts);
+    for (std::size_t i = 0; i < lights.lights.size(); ++i)
+        if (culled.empty() || culled[i].empty()) addParts(PlanLight(i), lights.lights[i], corners, parts);
 
     const Vec3 axis = eye.whole ? viewingAxis(scene.camera) : glm::normalize(meanDirection(eye.wsDirections));
     std::vector<Item> items;
@@ -164,7 +166,7 @@ std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& 
             std::vector<Vec3> all = turnedEye(eye.wsDirections, sameSide);
             all.insert(all.end(), outer.begin(), outer.end());
             const double slant = angleOf(enclosingCone(all).cosAngle);
-            items.push_back({part, outer, sameSide, slant, 0, mean, scene.lights[part.light].name});
+            items.push_back({part, outer, sameSide, slant, 0, mean, lights.of(part.light).name});
             items.back().part.share = share;
             meanSlant += share * slant;
         }
@@ -215,8 +217,9 @@ void sharePrimary(const std::vector<Item>& items, const std::vector<std::size_t>
 
 }  // namespace
 
-std::vector<GroupPlan> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& part,
-                                   const std::vector<std::string>& culled, const Checkpoint& checkpoint) {
+std::vector<GroupPlan> groupLights(const ViewScene& scene, const SubLights& lights, const std::vector<Vec3>& corners,
+                                   const EyePart& part, const std::vector<std::string>& culled,
+                                   const Checkpoint& checkpoint) {
     const std::vector<Vec3>& eye = part.wsDirections;
     const double limit = glm::radians(scene.dials.maxSlant);
 
@@ -224,7 +227,7 @@ std::vector<GroupPlan> groupLights(const ViewScene& scene, const std::vector<Vec
     std::vector<GroupPlan> groups;
     std::vector<std::size_t> groupOf;
     std::vector<GrowingCone> cones;
-    const std::vector<Item> items = orderedParts(scene, corners, part, culled, checkpoint);
+    const std::vector<Item> items = orderedParts(scene, lights, corners, part, culled, checkpoint);
     for (const Item& item : items) {
         checkpoint();
         std::size_t best = groups.size();

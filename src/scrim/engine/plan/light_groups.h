@@ -18,9 +18,9 @@ constexpr double kWidestView = 0.7854;  // 45 degrees; rays that open wider than
 /// The largest angle of any ray to its sweep's axis, radians.
 constexpr double kSlantLimit = 1.4835;  // 85 degrees
 
-/// The groups that serve one part of the eye; at least one. They do not depend on the order of the lights. Alpha and
-/// ambient light belong to the group whose light is closest to the eye's axis. Within the dial `cross_fade` several
-/// groups share them, since another group's discretisation would show as a jump when it takes over.
+/// The groups of `lights` that serve one part of the eye; at least one. They do not depend on the order of the lights.
+/// Alpha and ambient light belong to the group whose light is closest to the eye's axis. Within the dial `cross_fade`
+/// several groups share them, since another group's discretisation would show as a jump when it takes over.
 ///
 /// A light that is perpendicular to the eye within the dial `cross_fade` is served from both sides, with shares that
 /// change smoothly with its angle. Where it crosses, the axis turns by 90 degrees and the order of the sheets flips,
@@ -28,7 +28,7 @@ constexpr double kSlantLimit = 1.4835;  // 85 degrees
 /// light the reason why it is culled, if it is; empty: no light is. Throws Error (render) if the eye's own rays are too
 /// wide for image-aligned sheets.
 std::vector<GroupPlan> groupLights(
-    const ViewScene& scene, const std::vector<Vec3>& wsCorners, const EyePart& eye,
+    const ViewScene& scene, const SubLights& lights, const std::vector<Vec3>& wsCorners, const EyePart& eye,
     const std::vector<std::string>& culled = {}, const Checkpoint& checkpoint = [] {});
 
 /// Directions whose cone around light.wsDirection contains all of a light's rays, and half that cone's angle in

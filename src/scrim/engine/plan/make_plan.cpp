@@ -11,6 +11,7 @@
 #include <scrim/engine/plan/levels.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/plan/sheet_stack.h>
+#include <scrim/engine/plan/view_lattices.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/splat/extinction_sum.h>
 
@@ -103,10 +104,10 @@ SweepOutputs outputsOf(const ViewScene& scene, const Plan& plan, const GroupPlan
     return chooseOutputs(scene, plan.extinction.coloured, group.primary > 0, owners, onCells);
 }
 
-std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan& group) {
+std::vector<const Light*> shadowedLights(const Plan& plan, const GroupPlan& group) {
     std::vector<const Light*> shadowed;
     for (const PlannedLight& light : group.lights)
-        if (light.shadowed) shadowed.push_back(&scene.lights[light.light]);
+        if (light.shadowed) shadowed.push_back(&plan.subLights.of(light.light));
     return shadowed;
 }
 
@@ -145,10 +146,10 @@ void planSheets(const ViewScene& scene, const std::vector<Vec3>& own, const Plan
                 const Checkpoint& checkpoint, GroupPlan& g) {
     for (PlannedLight& light : g.lights) {
         checkpoint();
-        light = planLight(scene, own, g.sheets, g.slant, std::move(light));
+        light = planLight(scene, plan.subLights.of(light.light), own, g.sheets, g.slant, std::move(light));
     }
     checkPlanFits(scene, plan, g.sheets.count);
-    g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
+    g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(plan, g), checkpoint);
     g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
 }
 
@@ -216,10 +217,11 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
 // The reason why a slide needs shading at pixels: texels blur features that are less than two texels wide. (A slide of
 // noise in smoke, with pixels as large as a texel, gave errors of 5 to 7 % at texels and 1.5 % at pixels; with pixels
 // four times as large, 2 % and 1.5 %.) Empty if no slide needs it.
-std::string fineSlide(const ViewScene& scene, const std::vector<std::string>& culled, double texel) {
+std::string fineSlide(const ViewScene& scene, const std::vector<Light>& lights, const std::vector<std::string>& culled,
+                      double texel) {
     const Vec3 center = wsBounds(scene).center();
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-        const Light& light = scene.lights[i];
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const Light& light = lights[i];
         if (!light.slide || !culled[i].empty()) continue;
         const std::optional<double> pixel = slidePixel(light, center);
         if (pixel && *pixel < 2 * texel)
@@ -269,10 +271,11 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::ve
     std::string near = plan.cellLights.lamp;
     for (const GroupPlan& group : plan.groups)
         for (const PlannedLight& light : group.lights)
-            if (near.empty() && !light.ssWindows.empty()) near = scene.lights[light.light].name;
+            if (near.empty() && !light.ssWindows.empty()) near = plan.subLights.of(light.light).name;
     if (!near.empty()) return fmt::format("light {} is so near that its light changes between texels", near);
     if (eyeAmong(scene, texel)) return "the eye is so near that its view of a sheet changes between texels";
-    if (const std::string reason = fineSlide(scene, culled, texel); !reason.empty()) return reason;
+    if (const std::string reason = fineSlide(scene, plan.subLights.lights, culled, texel); !reason.empty())
+        return reason;
     return denseMedium(scene, plan);
 }
 
@@ -292,11 +295,12 @@ std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& pl
     const double distance = glm::distance(scene.camera.wsPosition, ws.center());
     const double pixel = pixelAt(scene.camera, distance) / scene.dials.antialias;
     const double across = plan.groups.front().sheets.texel / pixel, pixels = across * across;
-    const double lights = double(scene.lights.size());
+    const std::size_t count = plan.subLights.lights.size();
+    const double lights = double(count);
     const double atTexels = 5 + 4 * lights + 7 * pixels, atPixels = (6 + 4 * lights) * pixels;
     return {atPixels < atTexels,
             fmt::format("a texel is {:.2g} pixels wide and has {} light{}; a thin medium looks the same both ways",
-                        across, scene.lights.size(), scene.lights.size() == 1 ? "" : "s")};
+                        across, count, count == 1 ? "" : "s")};
 }
 
 // Why a light that is not black itself has no sub-light but a black one.
@@ -308,7 +312,6 @@ const char* whyDark(const Light& light) {
 // For each light of the scene the reason why it is culled: that of its first sub-light, if all of them are culled.
 std::vector<std::string> reasonsByOwner(const SubLights& lights, const std::vector<std::string>& reasons,
                                         const std::vector<Light>& owners) {
-    if (lights.owners.empty()) return reasons;
     std::vector<std::string> byOwner(owners.size());
     std::vector<bool> seen(owners.size(), false);
     for (std::size_t i = 0; i < reasons.size(); ++i) {
@@ -380,46 +383,44 @@ void checkSlides(const ViewScene& scene) {
 
 }  // namespace
 
-Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress) {
+Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress) {
     const Checkpoint checkpoint = [&] {
         if (progress && !progress(0)) throw Error(ErrorKind::interrupted, "the planning was interrupted");
     };
     Plan plan;
     plan.threads = threads;
-    plan.simd = Simd(given.dials.simd);
-    plan.voxel = voxelUnit(given);
-    plan.region = supersampled(given.region, given.dials.antialias);
-    plan.perView = given.dials.splat == SplatMode::perView;
-    const std::vector<Vec3> corners = wsCorners(given);
+    plan.simd = Simd(scene.dials.simd);
+    plan.voxel = voxelUnit(scene);
+    plan.region = supersampled(scene.region, scene.dials.antialias);
+    plan.perView = scene.dials.splat == SplatMode::perView;
+    const std::vector<Vec3> corners = wsCorners(scene);
     if (!corners.empty()) {
-        checkSlides(given);
-        plan.cellLights = planCellLights(given);
+        checkSlides(scene);
+        plan.cellLights = planCellLights(scene);
     }
-    plan.extinction = channelsOf(given, plan.cellLights);
+    plan.extinction = channelsOf(scene, plan.cellLights);
     if (corners.empty()) return plan;
-    const std::vector<ServedLight> served = servedLights(given, plan.cellLights.lights);
-    plan.subLights = subLights(given, served);
-    plan.transport = planTransport(given);
-    for (std::size_t i = 0; i < given.lights.size(); ++i)
-        plan.layersOfLights.push_back(lightOfLayer(given, static_cast<int>(i)));
-    ViewScene plain;
-    const ViewScene& scene = withSubLights(given, plan.subLights, plain);
-    const std::vector<std::string> culled = culledLights(scene);
-    plan.culledLights = reasonsByOwner(plan.subLights, culled, given.lights);
-    nameLightsOnCells(given, plan.cellLights, served, plan.culledLights);
+    const std::vector<ServedLight> served = servedLights(scene, plan.cellLights.lights);
+    plan.subLights = subLights(scene, served);
+    plan.transport = planTransport(scene);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+        plan.layersOfLights.push_back(lightOfLayer(scene, static_cast<int>(i)));
+    const std::vector<std::string> culled = culledLights(scene, plan.subLights);
+    plan.culledLights = reasonsByOwner(plan.subLights, culled, scene.lights);
+    nameLightsOnCells(scene, plan.cellLights, served, plan.culledLights);
     plan.caps = capsOf(scene, plan.subLights, culled);
 
     const std::vector<VolumeLevel> levels = volumeLevels(scene);
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);
         if (part.window.empty()) continue;
-        for (GroupPlan& group : groupLights(scene, corners, part, culled, checkpoint))
+        for (GroupPlan& group : groupLights(scene, plan.subLights, corners, part, culled, checkpoint))
             plan.groups.push_back(planGroup(scene, levels, plan, part, std::move(group), checkpoint));
         plan.eyeParts.push_back(std::move(part));
     }
     std::tie(plan.shadeAtPixels, plan.shadeReason) = shadingPlace(scene, plan, culled);
 
-    const std::size_t frameBytes = bytesOfFrame(given, plan);
+    const std::size_t frameBytes = bytesOfFrame(scene, plan);
     plan.bytes = frameBytes;
     splitIntoPasses(scene, frameBytes, plan);
     for (GroupPlan& group : plan.groups) {

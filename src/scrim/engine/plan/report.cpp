@@ -35,9 +35,9 @@ Vec3 axisOf(const GroupPlan& group) {
 Json lightJson(const ViewScene& scene, const Plan& plan, const PlannedLight& light) {
     Json out{{"name", ownerOf(scene, plan, light.light).name}, {"shadowed", light.shadowed}};
     if (light.shadowed) out["shadow_raster"] = {light.view.width, light.view.height};
-    if (const auto& slide = lightOf(scene, plan, light.light).slide)
+    if (const auto& slide = plan.subLights.of(light.light).slide)
         out["slide"] = {{"file", slide->file}, {"pixels", {slide->image->width(), slide->image->height()}}};
-    if (const auto& luminaire = lightOf(scene, plan, light.light).luminaire; luminaire && !luminaire->file.empty())
+    if (const auto& luminaire = plan.subLights.of(light.light).luminaire; luminaire && !luminaire->file.empty())
         out["ies"] = luminaire->file;
     if (!light.ssWindows.empty()) {
         out["window"] = light.window;
@@ -99,9 +99,9 @@ Json renderJson(Dials dials) {
 std::string lightLine(const ViewScene& scene, const Plan& plan, const PlannedLight& light) {
     std::string line = fmt::format("  light '{}'", ownerOf(scene, plan, light.light).name);
     if (!light.ssWindows.empty()) line += fmt::format(", part {}", light.window + 1);
-    if (const auto& slide = lightOf(scene, plan, light.light).slide)
+    if (const auto& slide = plan.subLights.of(light.light).slide)
         line += fmt::format(", slide of {} x {} pixels", slide->image->width(), slide->image->height());
-    if (const auto& luminaire = lightOf(scene, plan, light.light).luminaire; luminaire && !luminaire->file.empty())
+    if (const auto& luminaire = plan.subLights.of(light.light).luminaire; luminaire && !luminaire->file.empty())
         line += fmt::format(", profile that reaches {:.3g} degrees", luminaire->profile->reach());
     line += light.shadowed ? fmt::format(": shadow raster {} x {} cells\n", light.view.width, light.view.height)
                            : std::string(": no shadows\n");

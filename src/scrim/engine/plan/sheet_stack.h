@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places the sheets of a sweep and its rasters: those of shadow buffers on the shared sheets, and those that per-view
-// splatting uses for every view (ZC02 section 3.2: the paper's image sheet and shadow sheets). Before that, divides the
-// eye's frustum if it is too wide for one sweep. Every part is swept separately. Neighbouring parts overlap with smooth
-// weights that sum to one, because two sweeps have different errors, which a hard edge would show.
+// Places the sheets of a sweep and the rasters of shadow buffers on them. Before that, divides the eye's frustum if it
+// is too wide for one sweep. Every part is swept separately. Neighbouring parts overlap with smooth weights that sum to
+// one, because two sweeps have different errors, which a hard edge would show.
 #pragma once
 
 #include <scrim/engine/model/plan.h>
 #include <scrim/scene/view_scene.h>
-#include <scrim/geometry/lattice.h>
 
 #include <vector>
 
@@ -25,15 +23,13 @@ Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& wsCorners, 
 /// The part of a stack of sheets, with all of its sheets, whose texels lie around `wsCorners`.
 Sheets narrowed(Sheets sheets, const std::vector<Vec3>& wsCorners);
 
-/// Completes a light of a group by its view onto `sheets`. Where cells are largest they have the size that the dial
-/// `shadow_texel` states, and there are as many as the rays that meet the volume need. With per-view splatting the
-/// light also gets its own sheets: perpendicular to the light, or parallel to the image plane, as the dial
-/// `shadow_plane` says. Throws Error(render) if a light's rays lie along the image plane.
-PlannedLight planLight(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const Sheets& sheets, double slant,
-                       PlannedLight light);
+/// How many times as large as `cell` the cells of a raster must be, to be at most 8,192 along a side of the extent.
+double coarserFor(const Box2<double>& extent, double cell);
 
-/// For per-view splatting: the cells of the eye's own sheets, which are the pixels of `window` and some tiles around
-/// them.
-Lattice eyeLattice(const ViewScene& scene, const PixelWindow& window, const Sheets& sheets);
+/// Completes a light of a group, which is `light`, by its view onto `sheets`. Where cells are largest they have the
+/// size that the dial `shadow_texel` states, and there are as many as the rays that meet the volume need. With per-view
+/// splatting the light also gets its own lattice (view_lattices.h), and errors are as there.
+PlannedLight planLight(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners,
+                       const Sheets& sheets, double slant, PlannedLight planned);
 
 }  // namespace scrim

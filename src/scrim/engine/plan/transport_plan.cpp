@@ -112,11 +112,10 @@ std::string unfitForCells(const ViewScene& scene) {
 // For each light of the scene whether any of its sub-lights lights something that is seen.
 std::vector<bool> lightsInView(const ViewScene& scene) {
     const SubLights all = subLights(scene);
-    ViewScene plain;
-    const std::vector<std::string> reasons = culledLights(withSubLights(scene, all, plain));
+    const std::vector<std::string> reasons = culledLights(scene, all);
     std::vector<bool> seen(scene.lights.size(), false);
     for (std::size_t i = 0; i < reasons.size(); ++i)
-        if (reasons[i].empty()) seen[std::size_t(all.ownerOf(static_cast<int>(i)))] = true;
+        if (reasons[i].empty()) seen[std::size_t(all.owners[i])] = true;
     return seen;
 }
 

@@ -76,10 +76,10 @@ HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real c
 }
 
 // Adds the source also to the volume's own output, if there is one.
-HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real color, int channel, int output, int own,
-                        Work& w) {
+HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real color, int channel, int output,
+                        const std::optional<int>& own, Work& w) {
     addSource(input, coefficient, color, channel, output, w);
-    if (own > 0) addSource(input, coefficient, color, channel, own, w);
+    if (own) addSource(input, coefficient, color, channel, *own, w);
 }
 
 // Adds light on cells, which differs from sample to sample.
@@ -112,11 +112,11 @@ HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int 
     for (int c = 0; c < 3; ++c) {
         for (const SheetMedium& medium : input.media)
             if (medium.ambient || !seen)
-                addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output, seen ? medium.output : 0,
-                          w);
+                addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output,
+                          seen ? medium.output : std::nullopt, w);
         for (const SheetSurface& surface : input.surfaces)
-            addSource(input, surface.emission[c], radiance[c] * share(surface), c, output, seen ? surface.output : 0,
-                      w);
+            addSource(input, surface.emission[c], radiance[c] * share(surface), c, output,
+                      seen ? surface.output : std::nullopt, w);
     }
 }
 
@@ -139,15 +139,14 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     }
     for (const SheetScattered& scattered : input.scattered) {
         addScatteredBefore(input, scattered, scattered.output, w);
-        const int own = scattered.surface < 0 ? input.media[std::size_t(scattered.medium)].output
-                                              : input.surfaces[std::size_t(scattered.surface)].output;
-        if (own > 0) addScatteredBefore(input, scattered, own, w);
-        if (scattered.again && input.layout.indirect > 0)
-            addScatteredBefore(input, scattered, input.layout.indirect, w);
+        const std::optional<int>& own = scattered.surface < 0 ? input.media[std::size_t(scattered.medium)].output
+                                                              : input.surfaces[std::size_t(scattered.surface)].output;
+        if (own) addScatteredBefore(input, scattered, *own, w);
+        if (scattered.again && input.layout.indirect) addScatteredBefore(input, scattered, *input.layout.indirect, w);
         w.done.scattered += kTileSize;
     }
     for (const SheetEmission& opacity : input.opacities)
-        for (int c = 0; c < 3; ++c) addSource(input, opacity.coefficient, opacity.color[c], c, opacity.output, w);
+        for (int c = 0; c < 3; ++c) addSource(input, opacity.coefficient, opacity.color[c], c, *opacity.output, w);
     constexpr Real kWhite[3] = {1, 1, 1};
     if (input.layout.albedo)
         addEnvironment(

@@ -27,7 +27,7 @@ struct Incidence {
     alignas(64) Real tint[3 * kTileSize];    // factor by the light's slide, if it has one
 };
 
-HWY_ATTR void meetDistant(const SheetLight& light, Incidence& in) {
+HWY_ATTR void meetDistant(const DistantOnSheet& light, Incidence& in) {
     const DF d;
     const auto a = constant(light.slopeA), b = constant(light.slopeB);
     const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, constant(1))));
@@ -41,7 +41,7 @@ HWY_ATTR void meetDistant(const SheetLight& light, Incidence& in) {
 
 // Close to a light 1/r^2 changes within a sheet, so its mean over the eye's segment is taken at the two points of Gauss
 // quadrature. It is constant within the light's radius.
-HWY_ATTR HWY_INLINE VF meanDecay(const ShadeInput& input, const SheetLight& light, VF a, VF b, VF slant2, int k) {
+HWY_ATTR HWY_INLINE VF meanDecay(const ShadeInput& input, const NearOnSheet& light, VF a, VF b, VF slant2, int k) {
     const auto z = constant(light.distanceW), gauss = constant(Real(0.28867513459481287) * input.thickness);
     const auto ea = load(input.samples->eyeA, k), eb = load(input.samples->eyeB, k);
     // |z (a, b, 1) +- g (ea, eb, 1)|^2
@@ -54,7 +54,7 @@ HWY_ATTR HWY_INLINE VF meanDecay(const ShadeInput& input, const SheetLight& ligh
     return hn::Mul(constant(0.5), hn::Add(hn::Div(constant(1), far), hn::Div(constant(1), near)));
 }
 
-HWY_ATTR void meetPoint(const ShadeInput& input, const SheetLight& light, Incidence& in) {
+HWY_ATTR void meetPoint(const ShadeInput& input, const NearOnSheet& light, Incidence& in) {
     const DF d;
     const auto scale = constant(input.texel / light.distanceW);
     forSamples([&](int k) HWY_ATTR {
@@ -76,10 +76,10 @@ HWY_ATTR HWY_INLINE VF cosineTo(Real axisU, Real axisV, Real axisW, const Incide
 }
 
 // Applies a spot's cone: smooth between the cosines of its outer and inner angle.
-HWY_ATTR void limitToCone(const SheetLight& light, Incidence& in) {
+HWY_ATTR void limitToCone(const NearOnSheet& light, const NearOnSheet::Cone& cone, Incidence& in) {
     const DF d;
-    const auto outer = constant(light.cosOuter);
-    const auto inverse = constant(1 / (light.cosInner - light.cosOuter));
+    const auto outer = constant(cone.cosOuter);
+    const auto inverse = constant(1 / (cone.cosInner - cone.cosOuter));
     forSamples([&](int k) HWY_ATTR {
         const auto cosine = cosineTo(light.axisU, light.axisV, light.axisW, in, k);
         auto t = hn::Mul(hn::Sub(cosine, outer), inverse);
@@ -90,10 +90,10 @@ HWY_ATTR void limitToCone(const SheetLight& light, Incidence& in) {
 }
 
 // Applies Lambert's cosine, for an element of a surface, and its spread.
-HWY_ATTR void limitToFront(const SheetLight& light, Incidence& in) {
+HWY_ATTR void limitToFront(const NearOnSheet& light, const NearOnSheet::Face& face, Incidence& in) {
     const DF d;
-    if (light.spreadScale > 0) {
-        const auto tangent = constant(light.spreadTangent), scale = constant(light.spreadScale);
+    if (face.spreadScale > 0) {
+        const auto tangent = constant(face.spreadTangent), scale = constant(face.spreadScale);
         forSamples([&](int k) HWY_ATTR {
             const auto cosine = hn::Max(cosineTo(light.axisU, light.axisV, light.axisW, in, k), constant(0));
             const auto sine = hn::Sqrt(hn::Max(hn::NegMulAdd(cosine, cosine, constant(1)), constant(0)));
@@ -110,9 +110,9 @@ HWY_ATTR void limitToFront(const SheetLight& light, Incidence& in) {
 }
 
 // Applies the profile of a luminaire: LightProfile::at for all samples.
-HWY_ATTR void applyProfile(const SheetLight& light, Incidence& in) {
+HWY_ATTR void applyProfile(const NearOnSheet::Profile& of, Incidence& in) {
     const DF d;
-    const LightProfile& profile = *light.profile;
+    const LightProfile& profile = *of.table;
     constexpr Real kPi = Real(3.14159265358979324), kRounding = Real(1e-5);
     const auto toRadians = [](double degrees) { return static_cast<Real>(degrees) * (kPi / 180); };
     const auto first = constant(toRadians(profile.first()) - kRounding);
@@ -122,7 +122,7 @@ HWY_ATTR void applyProfile(const SheetLight& light, Incidence& in) {
     alignas(64) Real row[kTileSize], column[kTileSize];
     forSamples([&](int k) HWY_ATTR {
         const auto along = [&](int i) HWY_ATTR {
-            const Vec3& axis = light.profileFrame[i];
+            const Vec3& axis = of.frame[i];
             return cosineTo(static_cast<Real>(axis.x), static_cast<Real>(axis.y), static_cast<Real>(axis.z), in, k);
         };
         const auto angle = [&](VF cosine)
@@ -149,23 +149,32 @@ HWY_ATTR void applyProfile(const SheetLight& light, Incidence& in) {
 }
 
 // Applies this part's share of a light that is divided into overlapping windows; the shares in a direction sum to 1.
-HWY_ATTR void limitToWindow(const SheetLight& light, Incidence& in) {
+HWY_ATTR void limitToWindow(const NearOnSheet::Window& window, Incidence& in) {
     const DF d;
-    const auto edge = constant(light.windowCos);
+    const auto edge = constant(window.cosEdge);
     forSamples([&](int k) HWY_ATTR {
         auto own = constant(0), sum = constant(0);
-        for (std::size_t i = 0; i < light.windows->size(); ++i) {
-            const Vec3& axis = (*light.windows)[i];
+        for (std::size_t i = 0; i < window.axes->size(); ++i) {
+            const Vec3& axis = (*window.axes)[i];
             const auto cosine =
                 cosineTo(static_cast<Real>(axis.x), static_cast<Real>(axis.y), static_cast<Real>(axis.z), in, k);
             auto t = hn::Max(hn::Sub(cosine, edge), constant(0));
             t = hn::Mul(t, t);
             sum = hn::Add(sum, t);
-            if (static_cast<int>(i) == light.window) own = t;
+            if (static_cast<int>(i) == window.number) own = t;
         }
         const auto share = hn::Div(own, hn::Max(sum, constant(1e-20)));
         hn::Store(hn::Mul(load(in.irradiance, k), share), d, in.irradiance + k);
     });
+}
+
+// A light that shines from a point, with all that limits it.
+HWY_ATTR void meetNear(const ShadeInput& input, const NearOnSheet& light, Incidence& in) {
+    meetPoint(input, light, in);
+    if (light.cone) limitToCone(light, *light.cone, in);
+    if (light.profile) applyProfile(*light.profile, in);
+    if (light.face) limitToFront(light, *light.face, in);
+    if (light.window) limitToWindow(*light.window, in);
 }
 
 HWY_ATTR void scale(const Real* factors, Real* values) {
@@ -189,12 +198,13 @@ struct Lit {
 // The half angle of a cap as wide as what the light stands for is seen.
 HWY_ATTR HWY_INLINE VF halfAngleOf(const Lit& lit, int k) {
     const SheetLight& light = *lit.light;
-    if (light.distant) return constant(light.part);
+    if (light.distant() != nullptr) return constant(light.part);
+    const NearOnSheet& near = *light.near();
     constexpr Real kInversePi = Real(0.3183098861837907);
-    const auto r = hn::Mul(constant(light.distanceW), load(lit.in->slant, k));
+    const auto r = hn::Mul(constant(near.distanceW), load(lit.in->slant, k));
     auto solidAngle = hn::Div(constant(light.part * kInversePi), hn::Mul(r, r));
-    if (light.oneSided) {
-        const auto facing = cosineTo(light.axisU, light.axisV, light.axisW, *lit.in, k);
+    if (near.face) {
+        const auto facing = cosineTo(near.axisU, near.axisV, near.axisW, *lit.in, k);
         solidAngle = hn::Mul(solidAngle, hn::Max(facing, constant(0)));
     }
     return hn::Sqrt(solidAngle);

@@ -67,11 +67,13 @@ bool leavesLightAlone(const ShadeInput& input, const SheetLight& light) {
 }
 
 // The rest of one light at the samples, with `depth` as factor on extinction.
-HWY_ATTR void transmitAll(const ShadeInput& input, const SheetLight& light, const Real* tauIn, Real depth, Work& w) {
+HWY_ATTR void transmitAll(const ShadeInput& input, std::size_t index, Real depth, Work& w) {
+    const SheetLight& light = input.lights[index];
+    const Real* const tauIn = input.tauAtEntry(index);
     const int channels = input.coloured ? 3 : 1;
     w.done.exponentials += static_cast<std::uint64_t>(channels * (light.shadowed ? 2 : 1) * kTileSize);
     if (input.tauOut && light.shadowed)
-        return transmitBetween(tauIn, input.tauOut + (tauIn - input.tauIn), w.tauEye.values[0], w.in, w.pathEye,
+        return transmitBetween(tauIn, input.tauOut + index * kTileSize, w.tauEye.values[0], w.in, w.pathEye,
                                w.light.values[0]);
     const Rows& extinction = leavesLightAlone(input, light) ? w.casting : w.extinction;
     for (int c = 0; c < channels; ++c) {
@@ -99,26 +101,27 @@ HWY_ATTR void scatterInto(const ShadeInput& input, const Lit& lit, const SheetMe
 }
 
 bool lights(const SheetLight& light, const std::vector<bool>* lit) {
-    return !lit || (*lit)[light.index];
+    return !lit || (*lit)[std::size_t(light.index)];
 }
 
-// Adds a volume's response to a light to the light's rows, and to further outputs: 0 is none.
+// Adds a volume's response to a light to the light's rows, and to further outputs.
 template <class Add>
-void addTo(const ShadeInput& input, const Lit& lit, std::initializer_list<int> outputs, Work& w, const Add& add) {
+void addTo(const ShadeInput& input, const Lit& lit, std::initializer_list<std::optional<int>> outputs, Work& w,
+           const Add& add) {
     add(lit);
-    for (const int output : outputs) {
-        if (output == 0) continue;
+    for (const std::optional<int>& output : outputs) {
+        if (!output) continue;
         Lit own = lit;
-        for (int c = 0; c < 3; ++c) own.to[c] = outputRow(input, w, output, c);
+        for (int c = 0; c < 3; ++c) own.to[c] = outputRow(input, w, *output, c);
         add(own);
     }
 }
 
 // The first octave is single scattering, which also applies to surfaces; only media have further ones.
 template <bool kTinted>
-HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, const Real* tauIn, const Lit& lit,
-                           Work& w) {
-    transmitAll(input, light, tauIn, 1, w);
+HWY_ATTR void addToVolumes(const ShadeInput& input, std::size_t index, const Lit& lit, Work& w) {
+    const SheetLight& light = input.lights[index];
+    transmitAll(input, index, 1, w);
     for (const SheetMedium& medium : input.media)
         if (lights(light, medium.lit))
             addTo(input, lit, {medium.output}, w, [&](const Lit& to) {
@@ -133,7 +136,7 @@ HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, con
         if (!lights(light, medium.lit)) continue;
         const Octaves& o = medium.octaves;
         for (int n = 1; n < o.count; ++n) {
-            transmitAll(input, light, tauIn, static_cast<Real>(std::pow(o.extinction, n)), w);
+            transmitAll(input, index, static_cast<Real>(std::pow(o.extinction, n)), w);
             const Phase phase = flattened(medium.phase, std::pow(o.phase, n));
             addTo(input, lit, {medium.output, input.layout.indirect}, w, [&](const Lit& to) {
                 scatterInto<kTinted>(input, to, medium, phase, static_cast<Real>(std::pow(o.contribution, n)), w);
@@ -150,21 +153,16 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
         if (!tintTile(light.slide, *input.samples, input.thickness / input.texel, w.in.tint))
             return;  // outside of the slide's picture
     }
-    if (light.distant)
-        meetDistant(light, w.in);
+    if (const DistantOnSheet* sun = light.distant())
+        meetDistant(*sun, w.in);
     else
-        meetPoint(input, light, w.in);
-    if (light.spot) limitToCone(light, w.in);
-    if (light.profile) applyProfile(light, w.in);
-    if (light.oneSided) limitToFront(light, w.in);
-    if (light.windows) limitToWindow(light, w.in);
+        meetNear(input, *light.near(), w.in);
     if (input.unblocked) scale(input.unblocked + index * kTileSize, w.in.irradiance);
     w.done.lightLookups += kTileSize;
 
-    const Real* tauIn = input.tauIn + index * std::size_t(input.channels * kTileSize);
     if (input.coloured && light.shadowed) {
         const Real* rows[ExtinctionChannels::kMost];
-        for (int r = 0; r < input.channels; ++r) rows[r] = tauIn + r * kTileSize;
+        for (int r = 0; r < input.channels; ++r) rows[r] = input.tauAtEntry(index) + r * kTileSize;
         mix(input, rows, light.channels, w.tauIn);
         if (leavesLightAlone(input, light)) mix(input, input.extinction, light.channels, w.casting);
     }
@@ -174,9 +172,9 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
         lit.to[c] = outputRow(input, w, light.output, c);
     }
     if (light.slide.image)
-        addToVolumes<true>(input, light, tauIn, lit, w);
+        addToVolumes<true>(input, index, lit, w);
     else
-        addToVolumes<false>(input, light, tauIn, lit, w);
+        addToVolumes<false>(input, index, lit, w);
 }
 
 HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {

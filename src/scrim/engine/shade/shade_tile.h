@@ -21,6 +21,7 @@
 #include <scrim/scene/classified.h>
 #include <scrim/scene/medium.h>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,10 +35,10 @@ struct SheetMedium {
     Real albedo[3];  ///< multiplied by the extinction's tint
     Phase phase;
     Octaves octaves;
-    /// For each light of the scene, whether it lights this medium; null: all do.
+    /// For each light of the plan, whether it lights this medium; null: all do.
     const std::vector<bool>* lit = nullptr;
     bool ambient = true;                  ///< ambient light reaches the medium without shadows
-    int output = 0;                       ///< further output, beside the beauty or its parts, for this medium; 0: none
+    std::optional<int> output = {};       ///< its own, beside the beauty or its parts
     const PhaseOverCaps* caps = nullptr;  ///< of `phase`; null: no sub-light is wider than its lobes
 };
 
@@ -47,8 +48,8 @@ struct SheetScattered {
     int surface = -1;         ///< unless it is -1, index into ShadeInput::surfaces, in place of `medium`
     const Real* radiance[3];  ///< 256 values each
     Real share = 1;           ///< share that the sweep owns
-    int output = 0;
-    bool again = false;  ///< it has scattered before
+    int output = 0;           ///< the beauty, or one of its parts
+    bool again = false;       ///< it has scattered before
     ShownAs as = ShownAs::scattered;
 };
 
@@ -56,7 +57,7 @@ struct SheetScattered {
 struct SheetEmission {
     const Real* coefficient;
     Real color[3];
-    int output = 0;  ///< as in SheetMedium
+    std::optional<int> output = {};  ///< as in SheetMedium
 };
 
 /// A classified volume's contribution to a sheet: 256 values each, see ClassifiedTile.
@@ -69,7 +70,7 @@ struct SheetSurface {
     bool twoSided;
     Real albedo[3];  ///< with `emission`, the scattering coefficient of light that has scattered before
     const std::vector<bool>* lit = nullptr;  ///< as in SheetMedium
-    int output = 0;                          ///< as in SheetMedium
+    std::optional<int> output = {};          ///< as in SheetMedium
     int sceneVolume = 0;
 };
 /// Its look, without what differs from sample to sample.
@@ -109,6 +110,8 @@ struct ShadeInput {
     OutputLayout layout;
     Real* outputs;  ///< scratch: 3 x 256 floats for each output other than the beauty
     Simd simd;
+
+    const Real* tauAtEntry(std::size_t light) const { return tauIn + light * std::size_t(channels * kTileSize); }
 };
 
 /// Writes the samples in the input's layout: layout.floats() x 256 floats. Returns the work done.

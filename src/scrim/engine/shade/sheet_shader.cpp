@@ -18,8 +18,9 @@ struct alignas(64) Row {
     Real values[kTileSize];
 };
 
-const std::vector<bool>* litOrAll(const ViewVolume& volume) {
-    return volume.lights.empty() ? nullptr : &volume.lights;
+const std::vector<bool>* litOrAll(const Plan& plan, int sceneVolume) {
+    const std::vector<bool>& lit = plan.subLights.lit[std::size_t(sceneVolume)];
+    return lit.empty() ? nullptr : &lit;
 }
 
 void copyTile(const PlaneStack& planes, int p, int tx, int ty, Real* to) {
@@ -96,7 +97,7 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const LevelSh
     for (const LevelSheets* other : m_others.finer) m_toFiner.emplace_back(m_group.sheets, other->group.sheets);
     for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<Real>(m_group.primary * scene.ambient[c]);
     m_emitting = static_cast<Real>(m_group.primary);
-    m_unlit.resize(scene.lights.size());
+    m_unlit.resize(plan.subLights.lights.size());
     for (int i = 0; i < levels(); ++i) addVolumes(scene, plan, i);
     m_opacities = !m_group.outputs.opacities.empty();
     if (m_group.outputs.layout.motion) m_motion.emplace(scene, m_group.sheets);
@@ -115,7 +116,7 @@ void SheetShader::addVolumes(const ViewScene& scene, const Plan& plan, int level
         if (volume.classified) {
             SheetSurface& look = m_surfaces.emplace_back(surfaceOf(*volume.classified));
             m_surfaceVolumes.push_back(seen);
-            look.lit = litOrAll(volume);
+            look.lit = litOrAll(plan, own.sceneVolume);
             look.sceneVolume = own.sceneVolume;
             look.output = outputOf(look.sceneVolume);
             continue;
@@ -124,8 +125,11 @@ void SheetShader::addVolumes(const ViewScene& scene, const Plan& plan, int level
         // A held-out volume scatters nothing.
         const Rgb reflects = volume.holdout ? Rgb(0) : grid ? Rgb(1) : volume.medium.albedo;
         const Rgb albedo = reflects * volume.medium.relativeTint();
-        SheetMedium look{
-            {}, {}, volume.medium.phase, volume.medium.octaves, volume.holdout ? &m_unlit : litOrAll(volume)};
+        SheetMedium look{{},
+                         {},
+                         volume.medium.phase,
+                         volume.medium.octaves,
+                         volume.holdout ? &m_unlit : litOrAll(plan, own.sceneVolume)};
         for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<Real>(albedo[c]);
         look.ambient = !scattersFully(volume);
         look.output = outputOf(own.sceneVolume);
@@ -194,9 +198,10 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
     }
 }
 
-// The output of a volume's own layer; 0: none.
-int SheetShader::outputOf(int sceneVolume) const {
-    return m_group.outputs.ofVolumes.empty() ? 0 : m_group.outputs.ofVolumes[std::size_t(sceneVolume)];
+// The output of a volume's own layer.
+std::optional<int> SheetShader::outputOf(int sceneVolume) const {
+    if (m_group.outputs.ofVolumes.empty()) return std::nullopt;
+    return m_group.outputs.ofVolumes[std::size_t(sceneVolume)];
 }
 
 // Fills the rows of all media; read(level, planes, to) reads one row of one medium.
@@ -244,7 +249,7 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     // Surfaces are classified along eye rays, which a plane's texels do not know: texels are treated like points.
     if (!m_surfaces.empty()) {
         ShadeWork work;
-        if (!shadePoints(p, samples, std::nullopt, nullptr, false, out, work))
+        if (!shadePoints(p, samples, nullptr, false, out, work))
             std::fill(out, out + m_group.outputs.layout.floats() * kTileSize, Real(0));
         return work;
     }
@@ -259,26 +264,30 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     return shadeTile(inputOf(p, samples, rows), out);
 }
 
-bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells,
-                              const std::uint8_t* open, bool onward, Real* out, ShadeWork& work) const {
-    const LightSweep::OnSheet& lights = m_lights.onSheet(p);
-    Rows& rows = rowsFor(lights.lights.size());
-    if (cells)
-        gather([&](int, const PlaneStack& planes, Real* to) { copyTile(planes, p, cells->x, cells->y, to); }, rows);
-    else
-        gatherPoints(p, samples, rows);
-    if (!m_surfaces.empty()) {
-        // A cell is the same ray on every plane.
-        SampleTile atCells{};
-        if (cells)
-            for (int k = 0; k < kTileSize; ++k) {
-                atCells.u[k] = static_cast<Real>(cells->x * kTileEdge + k % kTileEdge);
-                atCells.v[k] = static_cast<Real>(cells->y * kTileEdge + k / kTileEdge);
-            }
-        for (ClassifiedTile& seen : rows.classified)
-            if (!onward) seen.leave();
-        classify(p, cells ? atCells : samples, open, rows, work);
+bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::uint8_t* open, bool onward, Real* out,
+                              ShadeWork& work) const {
+    Rows& rows = rowsFor(m_lights.onSheet(p).lights.size());
+    gatherPoints(p, samples, rows);
+    classify(p, samples, open, onward, rows, work);
+    return shadeGathered(p, samples, rows, out, work);
+}
+
+bool SheetShader::shadeCells(int p, const SampleTile& samples, const Int2& cells, const std::uint8_t* open, bool onward,
+                             Real* out, ShadeWork& work) const {
+    Rows& rows = rowsFor(m_lights.onSheet(p).lights.size());
+    gather([&](int, const PlaneStack& planes, Real* to) { copyTile(planes, p, cells.x, cells.y, to); }, rows);
+    SampleTile atCells{};  // a cell is the same ray on every plane
+    for (int k = 0; k < kTileSize; ++k) {
+        atCells.u[k] = static_cast<Real>(cells.x * kTileEdge + k % kTileEdge);
+        atCells.v[k] = static_cast<Real>(cells.y * kTileEdge + k / kTileEdge);
     }
+    classify(p, atCells, open, onward, rows, work);
+    return shadeGathered(p, samples, rows, out, work);
+}
+
+// Lights what the rows hold.
+bool SheetShader::shadeGathered(int p, const SampleTile& samples, Rows& rows, Real* out, ShadeWork& work) const {
+    const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     if (!shows(rows)) return false;
     if (surfacesAlone())
         for (std::size_t i = 0; i < lights.shadows.size(); ++i) {
@@ -430,7 +439,11 @@ bool SheetShader::anyCoarser(const Box2<double>& texels) const {
 
 // Classifies all surfaces at positions `at` of the eye's lattice, and sets the total extinction to that of the surfaces
 // and media there. The sheets' own classified extinction, at texels, only serves lights.
-void SheetShader::classify(int p, const SampleTile& at, const std::uint8_t* open, Rows& rows, ShadeWork& work) const {
+void SheetShader::classify(int p, const SampleTile& at, const std::uint8_t* open, bool onward, Rows& rows,
+                           ShadeWork& work) const {
+    if (m_surfaces.empty()) return;
+    for (ClassifiedTile& seen : rows.classified)
+        if (!onward) seen.leave();
     const int channels = m_plan.extinction.count();
     for (int i = 0; i < channels; ++i) std::fill(rows.total[i].values, rows.total[i].values + kTileSize, Real(0));
     std::fill_n(rows.more[0].values, kTileSize, Real(0));

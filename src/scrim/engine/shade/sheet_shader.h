@@ -28,11 +28,13 @@ class SheetShader {
     /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the layout of the group's outputs.
     ShadeWork shadeTexels(int p, int sheet, int tx, int ty, Real* out) const;
 
-    /// Shades points of plane p where pixels' rays meet it. `cells`: with per-view splatting, the tile of the eye's own
-    /// lattice whose cells they are. `open`: see Surface::classify. `onward`: the rays are those of this thread's call
-    /// before. Returns false, and leaves `out` empty, if nothing is visible.
-    bool shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, const std::uint8_t* open,
-                     bool onward, Real* out, ShadeWork& work) const;
+    /// Shades points of plane p where pixels' rays meet it. `open`: see Surface::classify. `onward`: the rays are those
+    /// of this thread's call before. Returns false, and leaves `out` empty, if nothing is visible.
+    bool shadePoints(int p, const SampleTile& samples, const std::uint8_t* open, bool onward, Real* out,
+                     ShadeWork& work) const;
+    /// The same with per-view splatting; the points are those of tile `cells` of the eye's own lattice.
+    bool shadeCells(int p, const SampleTile& samples, const Int2& cells, const std::uint8_t* open, bool onward,
+                    Real* out, ShadeWork& work) const;
 
     /// True if a coarser level has anything near these texels in its sheet.
     bool anyCoarser(const Box2<double>& texels) const;
@@ -54,7 +56,7 @@ class SheetShader {
     int levels() const { return static_cast<int>(m_others.coarser.size()) + 1; }
     void addVolumes(const ViewScene& scene, const Plan& plan, int level);
     Rows& rowsFor(std::size_t lights) const;
-    int outputOf(int sceneVolume) const;
+    std::optional<int> outputOf(int sceneVolume) const;
     template <class Read>
     void gather(const Read& read, Rows& rows) const;
     void gatherPoints(int p, const SampleTile& samples, Rows& rows) const;
@@ -63,7 +65,9 @@ class SheetShader {
     void addSeen(const Seen& volume, const Real* extinction, Rows& rows) const;
     bool surfacesAlone() const;
     void passSolids(int p, const SampleTile& samples, Rows& rows) const;
-    void classify(int p, const SampleTile& at, const std::uint8_t* open, Rows& rows, ShadeWork& work) const;
+    void classify(int p, const SampleTile& at, const std::uint8_t* open, bool onward, Rows& rows,
+                  ShadeWork& work) const;
+    bool shadeGathered(int p, const SampleTile& samples, Rows& rows, Real* out, ShadeWork& work) const;
     bool shows(const Rows& rows) const;
     void chooseScattered(const std::vector<CellLight>& cellLight);
     void lookUpScattered(int sheet, const SampleTile& samples, Rows& rows) const;

@@ -299,16 +299,15 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
 }
 
 FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, bool once,
-                       const CellMedia& media, const CellMedia& last, const std::vector<ScatterClass>& lastClasses,
-                       bool moments, const TransportSolver& solver)
+                       const CellMedia& media, const Last& last, const TransportSolver& solver)
     : m_colour(colour), m_once(once), m_emission(target.emission && !once), m_solver(solver) {
-    if (!last.straight.empty() && !once)
-        m_straight.assign(moments ? 4 : lastClasses.size(), std::vector<Real>(solver.rows(), Real(0)));
+    if (!last.media.straight.empty() && !once)
+        m_straight.assign(last.moments ? 4 : last.classes.size(), std::vector<Real>(solver.rows(), Real(0)));
     if (!once) m_onSides.assign(media.grid.sides(), Real(0));
     for (const int owner : target.lights) {
         const Light& whole = scene.lights[std::size_t(owner)];
         for (const Light& point : pointsOf(scene, whole)) {
-            const FirstCollisions rays(scene, media, last, point);
+            const FirstCollisions rays(scene, media, last.media, point);
             std::vector<Real>& irradiance = m_irradiance.emplace_back(solver.rows());
             m_points.emplace_back(std::size_t(owner), point);
             parallelFor(solver.rows(), [&](std::size_t row) {
@@ -316,16 +315,19 @@ FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int 
                 if (rays.isNear(cell) || (m_straight.empty() && !media.sends(cell))) return;
                 const ArrivingInCell arriving = rays.at(cell);
                 irradiance[row] = static_cast<Real>(arriving.irradiance[colour]);
-                addStraight(scene, lastClasses, moments, std::size_t(owner), arriving.travel, arriving.last[colour],
-                            arriving.straightDepth[colour], row, media.grid.wsCenter(cell));
+                addStraight(
+                    scene, last, std::size_t(owner),
+                    {arriving.travel, arriving.last[colour], arriving.straightDepth[colour], media.grid.wsCenter(cell)},
+                    row);
             });
             auto& near = m_near.emplace_back();
             for (const NearLamp& light : rays.aroundLamp(std::size_t(colour))) {
                 const std::int32_t row = solver.rowOfCell()[light.cell];
                 if (row < 0) continue;
                 near.emplace_back(row, light.travel, static_cast<Real>(light.irradiance));
-                addStraight(scene, lastClasses, moments, std::size_t(owner), light.travel, light.last,
-                            light.straightDepth, std::size_t(row), media.grid.wsCenter(light.cell));
+                addStraight(scene, last, std::size_t(owner),
+                            {light.travel, light.last, light.straightDepth, media.grid.wsCenter(light.cell)},
+                            std::size_t(row));
             }
             parallelFor(m_onSides.size(), [&](std::size_t side) {
                 double sum = 0;
@@ -352,11 +354,11 @@ std::size_t FirstLight::bytes() const {
 }
 
 // Where phase functions are mixed, each class sees the beam as if its own phase function had spread it.
-void FirstLight::addStraight(const ViewScene& scene, const std::vector<ScatterClass>& classes, bool moments,
-                             std::size_t owner, const Vec3& travel, double irradiance, double depth, std::size_t row,
-                             const Vec3& ws) {
+void FirstLight::addStraight(const ViewScene& scene, const Last& last, std::size_t owner, const Straight& light,
+                             std::size_t row) {
+    const auto& [travel, irradiance, depth, ws] = light;
     if (m_straight.empty() || depth == 0 || !(irradiance > 0)) return;
-    if (moments) {
+    if (last.moments) {
         const double mean = -std::expm1(-depth) * irradiance / (4 * std::numbers::pi);
         m_straight[0][row] += static_cast<Real>(mean);
         for (int axis = 0; axis < 3; ++axis)
@@ -364,9 +366,9 @@ void FirstLight::addStraight(const ViewScene& scene, const std::vector<ScatterCl
         return;
     }
     const double cosine = glm::dot(travel, travelToEye(scene.camera, ws));
-    for (std::size_t k = 0; k < classes.size(); ++k)
-        if (!classes[k].once && classes[k].litBy(owner))
-            m_straight[k][row] += static_cast<Real>(irradiance * classes[k].split.scatteredAgain(depth, cosine));
+    for (std::size_t k = 0; k < last.classes.size(); ++k)
+        if (const ScatterClass& own = last.classes[k]; !own.once && own.litBy(owner))
+            m_straight[k][row] += static_cast<Real>(irradiance * own.split.scatteredAgain(depth, cosine));
 }
 
 void FirstLight::addTo(const Ordinates& along, const std::vector<ScatterClass>& classes, const CellMedia& media,

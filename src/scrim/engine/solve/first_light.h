@@ -25,11 +25,16 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
 /// An extended light counts as a few points, because light that scatters twice has no sharp shadows.
 class FirstLight {
   public:
-    /// With `once` it is the light that classes which scatter once send on, and no emission. `media`: of the solve;
-    /// `last` and `lastClasses`: of its last sweep. `solver` must outlive this object.
+    /// What the last sweep of a solve keeps.
+    struct Last {
+        const CellMedia& media;
+        const std::vector<ScatterClass>& classes;
+        bool moments;  ///< see straight()
+    };
+    /// With `once` it is the light that classes which scatter once send on, and no emission. `media`: of the solve.
+    /// `solver` must outlive this object.
     FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, bool once, const CellMedia& media,
-               const CellMedia& last, const std::vector<ScatterClass>& lastClasses, bool moments,
-               const TransportSolver& solver);
+               const Last& last, const TransportSolver& solver);
 
     /// Adds it to a source as TransportSolver::source has it, along ordinates. `classes` and `media` belong to these.
     void addTo(const Ordinates& along, const std::vector<ScatterClass>& classes, const CellMedia& media, Simd simd,
@@ -44,8 +49,14 @@ class FirstLight {
     static std::size_t points(const ViewScene& scene, const ScatterTarget& target);
 
   private:
-    void addStraight(const ViewScene& scene, const std::vector<ScatterClass>& classes, bool moments, std::size_t owner,
-                     const Vec3& travel, double irradiance, double depth, std::size_t row, const Vec3& ws);
+    // Light that arrives at a place after it scattered straight on, in a depth of such scattering.
+    struct Straight {
+        Vec3 travel;
+        double irradiance, depth;
+        Vec3 ws;
+    };
+    void addStraight(const ViewScene& scene, const Last& last, std::size_t owner, const Straight& light,
+                     std::size_t row);
 
     int m_colour;
     bool m_once, m_emission;

@@ -30,10 +30,10 @@ int solvedOrdinates(int ordinates) {
 }
 
 LastSweep::LastSweep(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
-                     int count, const Camera* eye, bool flux, TransportSolver& solver, Simd simd)
+                     int count, const Keeps& keeps, TransportSolver& solver, Simd simd)
     : m_solved(media),
-      m_eye(eye),
-      m_flux(flux),
+      m_eye(keeps.eye),
+      m_flux(keeps.flux),
       m_solver(solver),
       m_simd(simd),
       m_ordinates(scrim::ordinates(count)),

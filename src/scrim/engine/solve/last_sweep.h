@@ -26,12 +26,16 @@ int solvedOrdinates(int ordinates);
 
 class LastSweep {
   public:
-    /// `media` and `classes` are those of `solver`, whose source becomes memory of the sweeps. What is kept of radiance
-    /// is what `eye` sees of it after one more scattering. If that is null, it is the mean over all directions and,
-    /// with `flux`, the mean of radiance times x, y and z of its direction of travel. What is referred to must outlive
-    /// this.
+    /// What is kept of radiance: what `eye` sees of it after one more scattering. If that is null, it is the mean over
+    /// all directions and, with `flux`, the mean of radiance times x, y and z of its direction of travel.
+    struct Keeps {
+        const Camera* eye = nullptr;
+        bool flux = false;
+    };
+    /// `media` and `classes` are those of `solver`, whose source becomes memory of the sweeps. What is referred to must
+    /// outlive this.
     LastSweep(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes, int ordinates,
-              const Camera* eye, bool flux, TransportSolver& solver, Simd simd);
+              const Keeps& keeps, TransportSolver& solver, Simd simd);
 
     /// Those of the sweep, and classes and media with phase functions split for them.
     const Ordinates& ordinates() const { return m_ordinates; }

@@ -108,7 +108,7 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
     m_classOf.assign(scene.volumes.size(), -1);
     for (std::size_t k = 0; k < classes.size(); ++k)
         for (const int volume : classes[k].volumes) m_classOf[std::size_t(volume)] = static_cast<int>(k);
-    const CellMedia media = cellMedia(scene, classes, plan.edge, simd, Vec3(0), 0, true);
+    const CellMedia media = cellMedia(scene, classes, plan.edge, simd, {.walls = true});
     m_grid = std::make_shared<const CellGrid>(media.grid);
     const bool apart = wants(scene, Layer::indirect);
     for (const ScatterTarget& target : m_targets)
@@ -140,14 +140,14 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
     const Ordinates directions = ordinates(solvedOrdinates(plan.ordinates));
     const bool eye = m_kept == Kept::towardsEye, flux = m_kept == Kept::meanAndFlux;
     TransportSolver solver(media, classes, {directions, scene.dials.scatterError, 60, simd, checkpoint, flux});
-    LastSweep last(scene, media, classes, plan.ordinates, eye ? &scene.camera : nullptr, flux, solver, simd);
+    LastSweep last(scene, media, classes, plan.ordinates, {eye ? &scene.camera : nullptr, flux}, solver, simd);
     const bool someOnce = std::ranges::any_of(classes, &ScatterClass::once);
     std::size_t beside = 0;  // the most bytes of the light beside the solver
     for (std::size_t t = 0; t < m_targets.size(); ++t) {
         for (const auto& [target, colours] : partsOf(scene, plan, m_targets[t])) {
             const auto colour = std::size_t(axisOfLargest(colours));
             const auto light = [&](bool ofOnce) {
-                return FirstLight(scene, target, int(colour), ofOnce, media, last.media(), last.classes(), !eye,
+                return FirstLight(scene, target, int(colour), ofOnce, media, {last.media(), last.classes(), !eye},
                                   solver);
             };
             const auto keepIn = [&](const std::vector<std::shared_ptr<CellField>>& fields, int which, const auto& kept,

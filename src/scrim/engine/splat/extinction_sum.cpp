@@ -49,18 +49,20 @@ bool isAmong(const std::vector<bool>& among, std::size_t volume) {
 // indices of volumes with density.
 using Alike = std::vector<std::size_t>;
 
-bool lookAlike(const ViewVolume& a, const ViewVolume& b) {
+bool lookAlike(const ViewScene& scene, const Plan& plan, std::size_t first, std::size_t second) {
+    const ViewVolume &a = scene.volumes[first], &b = scene.volumes[second];
     return !a.classified && !b.classified && a.scatter.empty() && b.scatter.empty() && a.medium == b.medium &&
-           a.lights == b.lights && a.shadows == b.shadows && a.holdout == b.holdout && !a.motion && !b.motion;
+           plan.subLights.lit[first] == plan.subLights.lit[second] && a.shadows == b.shadows &&
+           a.holdout == b.holdout && !a.motion && !b.motion;
 }
 
-std::vector<Alike> alikeVolumes(const ViewScene& scene, const std::vector<bool>& among) {
+std::vector<Alike> alikeVolumes(const ViewScene& scene, const Plan& plan, const std::vector<bool>& among) {
     const bool apart = wants(scene, Layer::volume) || wants(scene, Layer::cryptomatte);  // each has its own layer
     std::vector<Alike> groups;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         if (!isAmong(among, v) || scene.volumes[v].field->empty()) continue;
         const auto known = std::find_if(groups.begin(), groups.end(), [&](const Alike& group) {
-            return !apart && lookAlike(scene.volumes[group.front()], scene.volumes[v]);
+            return !apart && lookAlike(scene, plan, group.front(), v);
         });
         if (known == groups.end())
             groups.push_back({v});
@@ -79,7 +81,7 @@ const std::vector<ViewField>& flowOf(const ViewScene& scene, const ViewVolume& v
 // True if the sum needs planes of its own.
 bool needsTotals(const ViewScene& scene, const Plan& plan, ExtinctionSum::For who, const std::vector<bool>& among) {
     const auto emits = [](const ViewVolume& volume) { return !emissionOf(volume).empty(); };
-    return plan.extinction.count() > 1 || alikeVolumes(scene, among).size() != 1 ||
+    return plan.extinction.count() > 1 || alikeVolumes(scene, plan, among).size() != 1 ||
            (who == ExtinctionSum::For::primaryEye && std::any_of(scene.volumes.begin(), scene.volumes.end(), emits));
 }
 
@@ -120,7 +122,7 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
         }
         return planes;
     };
-    for (const Alike& alike : alikeVolumes(scene, among)) {
+    for (const Alike& alike : alikeVolumes(scene, plan, among)) {
         const ViewVolume& volume = scene.volumes[alike.front()];
         Volume& own = m_volumes.emplace_back();
         own.sceneVolume = static_cast<int>(alike.front());
@@ -225,7 +227,7 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
     const auto add = [&](const ViewField& field) {
         if (!field.field->empty()) sum += FieldPlanes::bytes({field}, settings, scene.dials, sheets, lattice, batch);
     };
-    for (const Alike& alike : alikeVolumes(scene, among)) {
+    for (const Alike& alike : alikeVolumes(scene, plan, among)) {
         const ViewVolume& volume = scene.volumes[alike.front()];
         std::vector<ViewField> placements;
         for (const std::size_t v : alike) placements.push_back(densityOf(scene.volumes[v]));

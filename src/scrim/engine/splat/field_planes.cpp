@@ -2,6 +2,7 @@
 #include <scrim/engine/splat/field_planes.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/splat/warped_splatter.h>
 #include <scrim/volume/kernel.h>
 
 #include <algorithm>

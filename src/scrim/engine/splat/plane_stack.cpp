@@ -40,9 +40,9 @@ HWY_ATTR HWY_INLINE VF gather(const FloatPlane& plane, const Split& u, const Spl
 }
 
 HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count,
-                                   Real* out, Real scale, Real firstU, Real firstV) {
+                                   Real* out, const PlaneMap& map) {
     const DF d;
-    const auto times = hn::Set(d, scale), plusU = hn::Set(d, firstU), plusV = hn::Set(d, firstV);
+    const auto times = hn::Set(d, map.scale), plusU = hn::Set(d, map.firstU), plusV = hn::Set(d, map.firstV);
     for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
         const auto su = split(hn::MulAdd(hn::LoadU(d, u + k), times, plusU), plane.x0, plane.width, nearest);
         const auto sv = split(hn::MulAdd(hn::LoadU(d, v + k), times, plusV), plane.y0, plane.height, nearest);
@@ -196,9 +196,9 @@ HWY_EXPORT(attenuateTileOnTarget);
 HWY_EXPORT(prefilterAboveZeroOnTarget);
 HWY_EXPORT(prefilterBetweenOnTarget);
 
-void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out, Real scale,
-                  Real firstU, Real firstV) {
-    SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, u, v, nearest, count, out, scale, firstU, firstV);
+void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out,
+                  const PlaneMap& map) {
+    SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, u, v, nearest, count, out, map);
 }
 
 void runThroughSheet(const Real* before, const Real* here, const Real* behind, Simd simd, Real* front, Real* middle,

@@ -107,9 +107,14 @@ class PlaneStack {
 /// True if look-ups in a box of texel positions may meet active tiles of plane p.
 bool anyActiveNear(const PlaneStack& planes, int p, const Box2<double>& texels);
 
-/// out[k] = plane at (u[k], v[k]) * scale + (firstU, firstV), for k in [0, count); count a multiple of 16.
+/// From places (u, v) to those of a plane: (u, v) * scale + (firstU, firstV).
+struct PlaneMap {
+    Real scale = 1, firstU = 0, firstV = 0;
+};
+
+/// out[k] = plane at map(u[k], v[k]), for k in [0, count); count a multiple of 16.
 void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out,
-                  Real scale = 1, Real firstU = 0, Real firstV = 0);
+                  const PlaneMap& map = {});
 
 /// The field at both faces and in the middle of a sheet, 256 samples each, from its values on the planes of sheets n -
 /// 1, n and n + 1; in buffers aligned to 64 bytes, which may be the same.

@@ -5,6 +5,23 @@
 #include <cmath>
 #include <limits>
 
+#ifndef SCRIM_TABULATED_MEANS
+#define SCRIM_TABULATED_MEANS
+namespace scrim {
+
+// A function and its integral, in units of cells, at cells + 1 places.
+struct TabulatedMeans {
+    const Real* values;
+    const Real* integrals;
+    int cells;
+    Real beyond;   // value beyond the last place
+    Real nothing;  // all values up to that place are 0
+    Real cellsPerValue;
+};
+
+}  // namespace scrim
+#endif
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/splat/transfer_table.cpp"
 #include <hwy/foreach_target.h>
@@ -45,17 +62,16 @@ HWY_ATTR HWY_INLINE VF meanBetween(const Lookup& value, VF x, VF y, VF integralX
     return hn::IfThenElse(isShort, middle, quotient);
 }
 
-// `nothing`: all values up to that place are 0.
-HWY_ATTR void meanOnTarget(const Real* values, const Real* integrals, int cells, Real beyond, Real nothing,
-                           Real cellsPerValue, const Real* a, const Real* b, const Real* c, int count, Real* out) {
+HWY_ATTR void meanOnTarget(const TabulatedMeans& of, const Real* a, const Real* b, const Real* c, int count,
+                           Real* out) {
     const DF d;
     // The tables of integrals are in units of cells, so that means are differences divided by differences of cells.
-    const Lookup value{values, cells, 0}, integral{integrals, cells, beyond};
-    const auto scale = hn::Set(d, cellsPerValue);
+    const Lookup value{of.values, of.cells, 0}, integral{of.integrals, of.cells, of.beyond};
+    const auto scale = hn::Set(d, of.cellsPerValue);
     for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
         const auto x = hn::Mul(hn::Load(d, a + k), scale), y = hn::Mul(hn::Load(d, b + k), scale),
                    z = hn::Mul(hn::Load(d, c + k), scale);
-        if (hn::AllTrue(d, hn::Le(hn::Max(hn::Max(x, y), z), hn::Set(d, nothing)))) {
+        if (hn::AllTrue(d, hn::Le(hn::Max(hn::Max(x, y), z), hn::Set(d, of.nothing)))) {
             hn::Store(hn::Zero(d), d, out + k);
             continue;
         }
@@ -129,7 +145,7 @@ TransferTable::TransferTable(const Classified& classified) {
 void TransferTable::mean(const Function& f, const Real* a, const Real* b, const Real* c, int count, Real* out,
                          Simd simd) const {
     SCRIM_ON_TARGET(simd, meanOnTarget)
-    (f.value.data(), f.integral.data(), kCells, f.beyond, m_nothing, static_cast<Real>(1 / m_cell), a, b, c, count,
+    ({f.value.data(), f.integral.data(), kCells, f.beyond, m_nothing, static_cast<Real>(1 / m_cell)}, a, b, c, count,
      out);
 }
 

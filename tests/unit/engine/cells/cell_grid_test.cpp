@@ -114,8 +114,8 @@ TEST(CellMedia, OfBlocksIsThatOfTheirVoxels) {
     turned.volumes[0].wsFromIs[0].y = 1e-9;
     for (const double edge : {2.3, 0.9, 0.4})
         for (const double margin : {0.0, 2.0}) {  // with a margin, voxels are tents in small cells
-            const CellMedia media = cellMedia(scene, {}, edge, Simd(), Vec3(0), margin),
-                            other = cellMedia(turned, {}, edge, Simd(), Vec3(0), margin);
+            const CellMedia media = cellMedia(scene, {}, edge, Simd(), {.margin = margin}),
+                            other = cellMedia(turned, {}, edge, Simd(), {.margin = margin});
             ASSERT_EQ(media.grid.cells(), other.grid.cells());
             double most = 0;
             for (const Real value : other.extinction[0]) most = std::max(most, double(value));
@@ -159,7 +159,7 @@ TEST(CellGrid, WallsAtExactly45DegreesSendBackWhatThoseBesideDo) {
 TEST(LampField, IsFiniteAtTheLamp) {
     ViewScene scene = orthographicScene(boxField(Int3(-4), Int3(4)), {0.5, Rgb(1), {}}, 24, 24);
     scene.lights = {lamp({0, 0, 0}, 5)};
-    const CellMedia media = cellMedia(scene, {}, 1, Simd(), Vec3(0), 1);
+    const CellMedia media = cellMedia(scene, {}, 1, Simd(), {.margin = 1});
     LampField field({scene.lights[0], {}, scene.camera}, std::make_shared<const CellGrid>(media.grid), 1);
     field.makeMean(media, nullptr);
     Real rgb[3] = {0, 0, 0};

@@ -213,7 +213,7 @@ TEST(SamplePlane, IsBilinearAtTheRaysPlaceInTheBatch) {
     RayTile rays = randomRays(10);
     alignas(64) float at[kTileSize], samples[4 * kTileSize];
     for (int k = 0; k < kTileSize; ++k) at[k] = static_cast<float>(k % 32) / 4;
-    samplePlane(rays, at, stack.planes[0].data(), kWidth, kHeight, {}, samples);
+    samplePlane(rays, at, {stack.planes[0].data(), kWidth, kHeight}, samples);
     for (int k = 0; k < kTileSize; ++k) {
         const Rgba expected = sampled(stack.planes[0], rays.u[k] + double(at[k]) * rays.stepU[k],
                                       rays.v[k] + double(at[k]) * rays.stepV[k]);

@@ -59,15 +59,16 @@ double fluence(const std::vector<Light>& lights, const Vec3& ws) {
     return arriving(lights, ws, [](const Vec3&) { return 1.0; });
 }
 
-TEST(SubLights, OfSceneWithoutExtendedLightsAreNone) {
+TEST(SubLights, OfSceneWithoutExtendedLightsAreItsLights) {
     ViewScene scene = orthographicScene(boxField({-2, -2, -2}, {2, 2, 2}), Medium(), 8, 8);
     scene.lights = {distantLight({0, 0, -1}), lamp({0, 9, 0}, 3)};
     scene.lights[0].samples = 7;  // of no meaning here
     const SubLights sub = subLights(scene);
-    EXPECT_TRUE(sub.lights.empty());
-    EXPECT_EQ(sub.ownerOf(1), 1);
-    ViewScene plain;
-    EXPECT_EQ(&withSubLights(scene, sub, plain), &scene);
+    EXPECT_EQ(sub.lights.size(), 2U);
+    EXPECT_EQ(sub.of(PlanLight(1)).wsPosition, Vec3(0, 9, 0));
+    EXPECT_EQ(sub.ownerOf(PlanLight(1)), 1);
+    EXPECT_EQ(sub.partOf(PlanLight(1)), 0);
+    EXPECT_TRUE(sub.lit[0].empty());
 }
 
 // A disk seen from its axis fills 2 pi (1 - h / sqrt(h^2 + R^2)), a rectangle 4 asin(ab / sqrt((a^2+h^2)(b^2+h^2)))

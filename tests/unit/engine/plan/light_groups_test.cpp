@@ -35,7 +35,7 @@ ViewScene fogScene(CameraType type) {
 }
 
 std::vector<GroupPlan> groupsOf(const ViewScene& scene) {
-    return groupLights(scene, wsCorners(scene), eyeParts(scene, wsCorners(scene)).front());
+    return groupLights(scene, subLights(scene), wsCorners(scene), eyeParts(scene, wsCorners(scene)).front());
 }
 
 Light pointLight(const Vec3& position) {
@@ -178,7 +178,7 @@ TEST(Groups, OfManyLightsKeepToTheLimit) {
             if (group.lights.size() > 1) {
                 EXPECT_LE(group.slant, scene.dials.maxSlant * kPi / 180 + 1e-9);
             }
-            for (const PlannedLight& part : group.lights) served.insert(part.light);
+            for (const PlannedLight& part : group.lights) served.insert(static_cast<int>(part.light));
         }
         for (int k = 0; k < lights; ++k) EXPECT_EQ(served.count(k), 1u) << "light " << k;
     }

@@ -120,12 +120,12 @@ double smoothstep(double t) {
     return t * t * (3 - 2 * t);
 }
 
-double windowShare(const SheetLight& light, const Vec3& travel) {
+double windowShare(const NearOnSheet::Window& window, const Vec3& travel) {
     double own = 0, sum = 0;
-    for (std::size_t i = 0; i < light.windows->size(); ++i) {
-        const double t = std::max(0.0, glm::dot((*light.windows)[i], travel) - double(light.windowCos));
+    for (std::size_t i = 0; i < window.axes->size(); ++i) {
+        const double t = std::max(0.0, glm::dot((*window.axes)[i], travel) - double(window.cosEdge));
         sum += t * t;
-        if (static_cast<int>(i) == light.window) own = t * t;
+        if (static_cast<int>(i) == window.number) own = t * t;
     }
     return sum > 0 ? own / sum : 0;
 }
@@ -142,27 +142,30 @@ Plain plainShade(const ShadeInput& in, int k) {
 
     for (std::size_t i = 0; i < in.lights.size(); ++i) {
         const SheetLight& light = in.lights[i];
-        Vec3 way(light.slopeA, light.slopeB, 1);
+        const NearOnSheet* const lamp = light.near();
+        Vec3 way(0, 0, 1);
         double irradiance = 1;
-        if (!light.distant) {
-            way = {(in.samples->u[k] - double(light.texelU)) * in.texel / light.distanceW,
-                   (in.samples->v[k] - double(light.texelV)) * in.texel / light.distanceW, 1};
-            if (light.decay) {
+        if (const DistantOnSheet* sun = light.distant()) {
+            way = {sun->slopeA, sun->slopeB, 1};
+        } else {
+            way = {(in.samples->u[k] - double(lamp->texelU)) * in.texel / lamp->distanceW,
+                   (in.samples->v[k] - double(lamp->texelV)) * in.texel / lamp->distanceW, 1};
+            if (lamp->decay) {
                 // Mean over the eye's segment, at the two points of Gauss' quadrature.
                 irradiance = 0;
                 for (const double at : {-0.5, 0.5}) {
                     const Vec3 from =
-                        way * double(light.distanceW) + at / std::sqrt(3.0) * in.thickness * Vec3(a, b, 1);
-                    irradiance += 0.5 / std::max(glm::dot(from, from), double(light.radius2));
+                        way * double(lamp->distanceW) + at / std::sqrt(3.0) * in.thickness * Vec3(a, b, 1);
+                    irradiance += 0.5 / std::max(glm::dot(from, from), double(lamp->radius2));
                 }
             }
         }
         const Vec3 travel = glm::normalize(way);
         double share = 1;
-        if (light.spot)
-            share *= smoothstep((glm::dot(travel, Vec3(light.axisU, light.axisV, light.axisW)) - light.cosOuter) /
-                                (double(light.cosInner) - light.cosOuter));
-        if (light.windows) share *= windowShare(light, travel);
+        if (lamp && lamp->cone)
+            share *= smoothstep((glm::dot(travel, Vec3(lamp->axisU, lamp->axisV, lamp->axisW)) - lamp->cone->cosOuter) /
+                                (double(lamp->cone->cosInner) - lamp->cone->cosOuter));
+        if (lamp && lamp->window) share *= windowShare(*lamp->window, travel);
 
         double transmit = psi(tauEye);
         if (light.shadowed) {
@@ -206,31 +209,33 @@ void expectPlainShading(const Tile& tile, const std::string& what) {
 
 SheetLight distantLight(Random& random) {
     SheetLight light;
-    light.slopeA = random.floatIn(-1.5, 1.5);
-    light.slopeB = random.floatIn(-1.5, 1.5);
+    auto& sun = light.source.emplace<DistantOnSheet>();
+    sun.slopeA = random.floatIn(-1.5, 1.5);
+    sun.slopeB = random.floatIn(-1.5, 1.5);
     return light;
 }
 
 SheetLight pointLight(Random& random) {
     SheetLight light;
-    light.distant = false;
-    light.texelU = random.floatIn(90, 150);
-    light.texelV = random.floatIn(20, 70);
-    light.distanceW = random.floatIn(5, 40);
-    light.radius2 = random.floatIn(0.1, 300);
-    light.decay = random.coin();
+    auto& lamp = light.source.emplace<NearOnSheet>();
+    lamp.texelU = random.floatIn(90, 150);
+    lamp.texelV = random.floatIn(20, 70);
+    lamp.distanceW = random.floatIn(5, 40);
+    lamp.radius2 = random.floatIn(0.1, 300);
+    lamp.decay = random.coin();
     return light;
 }
 
 SheetLight spotLight(Random& random) {
     SheetLight light = pointLight(random);
-    light.spot = true;
+    auto& lamp = std::get<NearOnSheet>(light.source);
     const Vec3 axis = glm::normalize(Vec3(random.in(-0.5, 0.5), random.in(-0.5, 0.5), 1));
-    light.axisU = static_cast<float>(axis.x);
-    light.axisV = static_cast<float>(axis.y);
-    light.axisW = static_cast<float>(axis.z);
-    light.cosOuter = random.floatIn(0.6, 0.9);
-    light.cosInner = light.cosOuter + random.floatIn(0.02, 0.09);
+    lamp.axisU = static_cast<float>(axis.x);
+    lamp.axisV = static_cast<float>(axis.y);
+    lamp.axisW = static_cast<float>(axis.z);
+    auto& cone = lamp.cone.emplace();
+    cone.cosOuter = random.floatIn(0.6, 0.9);
+    cone.cosInner = cone.cosOuter + random.floatIn(0.02, 0.09);
     return light;
 }
 
@@ -299,9 +304,8 @@ TEST_P(ShadeTile, OfALightsWindowIsItsShare) {
         Tile tile = randomTile(seed, 1, 1e4);
         tile.sameSide = GetParam();
         SheetLight light = pointLight(random);
-        light.windows = &windows;
-        light.window = static_cast<int>(seed % windows.size());
-        light.windowCos = static_cast<float>(std::cos(kWindowAngle));
+        std::get<NearOnSheet>(light.source).window = {&windows, static_cast<int>(seed % windows.size()),
+                                                      static_cast<float>(std::cos(kWindowAngle))};
         addLight(tile, light, random);
         expectPlainShading(tile, "seed " + std::to_string(seed));
     }
@@ -377,7 +381,8 @@ TEST(SplitLight, PartsAddUpToTheWholeLightInEveryDirection) {
     scene.lights.push_back(inside);
     scene.dials.crossFade = 0;
     std::vector<PlannedLight> parts;
-    for (const GroupPlan& group : groupLights(scene, wsCorners(scene), eyeParts(scene, wsCorners(scene)).front()))
+    for (const GroupPlan& group :
+         groupLights(scene, subLights(scene), wsCorners(scene), eyeParts(scene, wsCorners(scene)).front()))
         parts.insert(parts.end(), group.lights.begin(), group.lights.end());
     ASSERT_GT(parts.size(), 20u);
 
@@ -389,12 +394,11 @@ TEST(SplitLight, PartsAddUpToTheWholeLightInEveryDirection) {
         Tile tile = randomTile(static_cast<unsigned>(i), 1, 1e-3);
         tile.media[0].phase = {};
         SheetLight light;
-        light.distant = false;
-        light.shadowed = light.decay = false;
-        light.texelU = 120;
-        light.texelV = 45;
-        light.distanceW = 10;
-        light.windowCos = static_cast<float>(std::cos(kWindowAngle));
+        auto& lamp = light.source.emplace<NearOnSheet>();
+        light.shadowed = lamp.decay = false;
+        lamp.texelU = 120;
+        lamp.texelV = 45;
+        lamp.distanceW = 10;
         tile.lights = {light};
         tile.tauIn.resize(1);
         const std::vector<float> whole = tile.shaded();
@@ -402,8 +406,8 @@ TEST(SplitLight, PartsAddUpToTheWholeLightInEveryDirection) {
         for (const PlannedLight& part : parts) {
             std::vector<Vec3> windows;
             for (const Vec3& window : part.wsWindows) windows.push_back(ssFromWs * window);
-            tile.lights[0].windows = &windows;
-            tile.lights[0].window = part.window;
+            std::get<NearOnSheet>(tile.lights[0].source).window = {&windows, part.window,
+                                                                   static_cast<float>(std::cos(kWindowAngle))};
             const std::vector<float> shaded = tile.shaded();
             for (std::size_t k = 0; k < kTileSize; ++k) sum[k] += shaded[4 * k];
         }

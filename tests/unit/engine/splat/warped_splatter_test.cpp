@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What per-view splatting puts into its cells, against integrals of the field along the cells' rays.
-#include <scrim/engine/splat/splatter.h>
+#include <scrim/engine/splat/warped_splatter.h>
 
 #include "support/fields.h"
 
