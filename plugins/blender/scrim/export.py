@@ -93,11 +93,24 @@ class Exporter:
         out.update(formulae.camera_lens(data.type, horizontal, sensor, aspect, data.lens, data.ortho_scale, shift))
         if abs(pixel_aspect - 1) > 1e-6:
             out["pixel_aspect"] = float(pixel_aspect)
-        if data.dof.use_dof:
-            self.warn(f"camera '{thing.name}': depth of field is not rendered")
+        if data.dof.use_dof and data.type == "PERSP":
+            out["lens_radius"] = formulae.lens_radius(data.lens, data.dof.aperture_fstop)
+            out["focus_distance"] = self.focus(thing)
         if self.moves.shutter:
             out["shutter"] = self.moves.shutter
         return out
+
+    def focus(self, camera):
+        """Where the camera is sharp: at an object, or at a distance of its own."""
+        target = camera.data.dof.focus_object
+        if target is None:
+            return float(camera.data.dof.focus_distance)
+        there = camera.matrix_world.inverted() @ target.matrix_world.translation
+        depth = -float(there.z)
+        if depth > 0:
+            return depth
+        self.warn(f"camera '{camera.name}': '{target.name}', at which it is sharp, lies behind it")
+        return float(camera.data.dof.focus_distance)
 
     # Volumes
 

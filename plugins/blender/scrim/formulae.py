@@ -64,6 +64,11 @@ def camera_lens(kind, horizontal, sensor, aspect, lens, ortho_scale, shift):
     return keys
 
 
+def lens_radius(lens, fstop):
+    """In Blender's units, of which Cycles takes a thousandth as a millimetre. `lens`: focal length, mm."""
+    return 1e-3 * lens / (2 * max(fstop, 1e-5))
+
+
 def shutter(length, position):
     """Frames about the frame in which the shutter is open."""
     opens = {"START": 0.0, "CENTER": -0.5, "END": -1.0}[position] * length

@@ -69,6 +69,18 @@ Vec3 travelToEye(const Camera& camera, const Vec3& ws) {
     return length > 0 ? way / length : -viewingAxis(camera);
 }
 
+// The window moves against the eye, by as much as the eye's move shows at the focus.
+Camera throughLens(Camera camera, const Lens& lens, const Vec2& place) {
+    const Vec2 moved = lens.radius * place;
+    camera.wsPosition += camera.wsFromCamera[0] * moved.x + camera.wsFromCamera[1] * moved.y;
+    camera.shift -= moved / (2 * halfExtent(camera).x * lens.focus);
+    return camera;
+}
+
+double blurAt(const Camera& camera, const Lens& lens, double depth) {
+    return 2 * lens.radius * std::abs(1 / lens.focus - 1 / depth) / pixelAt(camera, 1);
+}
+
 Camera supersampled(Camera camera, int n) {
     camera.resolution *= n;
     return camera;

@@ -21,6 +21,19 @@ struct Camera {
     Vec2 shift{0};             ///< moves the picture's window to the right and up, in widths of the picture
 };
 
+/// A thin lens in place of a point: what is not at its distance is blurred.
+struct Lens {
+    double radius = 0;  ///< world units
+    double focus = 1;   ///< depth along the viewing axis at which things are sharp, world units
+};
+
+/// What a perspective camera sees from one place on its lens, (x, y) in radii to the right and up. Things at the depth
+/// of the focus keep their places in the picture.
+Camera throughLens(Camera camera, const Lens& lens, const Vec2& place);
+
+/// The diameter, in pixels, of the picture of a point at this depth along the viewing axis.
+double blurAt(const Camera& camera, const Lens& lens, double depth);
+
 /// An orthonormal frame at `position` that looks at `target`, with `up` as near to y as possible. Where `up` lies along
 /// the line of sight, another axis takes its place. `position` and `target` must differ.
 Mat3 lookAt(const Vec3& position, const Vec3& target, const Vec3& up);

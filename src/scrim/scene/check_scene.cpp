@@ -127,6 +127,12 @@ void checkCamera(const Check& check, const Scene& scene) {
     check.member(camera.type == CameraType::perspective ? k.fov : k.height, scene);
     check.numbers(k.resolution, {double(camera.resolution.x), double(camera.resolution.y)});
     check.numbers(k.shift, {camera.shift.x, camera.shift.y});
+    if (scene.lens) {
+        check.number(k.lensRadius, scene.lens->radius);
+        check.number(k.focusDistance, scene.lens->focus);
+        if (camera.type != CameraType::perspective)
+            check.refuse(k.lensRadius.name, "of an orthographic camera", "a perspective camera");
+    }
     if (!scene.shutter) return;
     check.numbers(k.shutter, {scene.shutter->open, scene.shutter->close});
     if (!(scene.shutter->close > scene.shutter->open))
@@ -282,6 +288,8 @@ void checkOutput(const Check& check, const Scene& scene) {
     const SceneOutput& output = scene.output;
     check.members(k, output);
     check.members(keysOf<HoldoutKeys>(), output.holdout);
+    if (scene.lens && !output.deep.file.empty())
+        check.refuse(k.deep.name, fmt::format("'{}'", output.deep.file), "none, since the camera has a lens");
 }
 
 }  // namespace

@@ -137,6 +137,26 @@ std::optional<Shutter> readShutter(const TomlValue& value) {
     return shutter;
 }
 
+/// The focal length in mm, as given or that of a film of 36 mm.
+double focalLengthOf(TomlTable& table, double frame, const Camera& camera) {
+    constexpr double kFilm = 36;
+    if (const auto f = table.find(k.focalLength)) return f->numberAt(frame);
+    return 0.5 * kFilm / std::tan(glm::radians(0.5 * camera.fov));
+}
+
+/// The lens; none where everything is sharp.
+std::optional<Lens> readLensOf(TomlTable& table, double frame, const Camera& camera) {
+    const auto fstop = table.find(k.fstop), radius = table.find(k.lensRadius), focus = table.find(k.focusDistance);
+    const double unit = table.number(k.worldUnit);
+    Lens lens;
+    if (focus) lens.focus = focus->numberAt(frame);
+    if (radius) lens.radius = radius->numberAt(frame);
+    if (fstop) lens.radius = focalLengthOf(table, frame, camera) / (2 * fstop->numberAt(frame) * unit);
+    if (lens.radius == 0) return std::nullopt;
+    if (!focus) table.require(k.focusDistance);
+    return lens;
+}
+
 Int2 readResolution(const TomlValue& value) {
     const auto sides = value.items(2);
     return {sides[0].integer(), sides[1].integer()};
@@ -156,6 +176,7 @@ void readCamera(TomlTable table, const ReadContext& context, Scene& scene) {
         scene.moves = path.hasFrame();
         scene.plate = PlateCamera{path.at(context.fileFrame()), exr->where(),
                                   static_cast<NdcRange>(table.choice(k.ndc)), !resolution};
+        scene.lens = readLensOf(table, context.frame, camera);
         return table.finish();
     }
     table.read(k.type, context.frame, scene);
@@ -166,9 +187,10 @@ void readCamera(TomlTable table, const ReadContext& context, Scene& scene) {
     else
         readView(table, context, camera);
     table.read(k.pixelAspect, context.frame, scene);
-    if (perspective)
+    if (perspective) {
         camera.fov = readFov(table, context, pictureAspect(camera));
-    else
+        scene.lens = readLensOf(table, context.frame, camera);
+    } else
         table.read(k.height, context.frame, scene);
     if (const auto shift = table.find(k.shift)) camera.shift = shift->pairAt(context.frame);
     table.finish();

@@ -319,6 +319,7 @@ struct Scene {
     bool moves = false;                   ///< the scene has keyed values, or a camera whose file depends on the frame
     bool movesOn = false;                 ///< the scene's text may tell where things are one frame later
     std::optional<Shutter> shutter = {};  ///< none: the picture is that of one moment
+    std::optional<Lens> lens = {};        ///< none: everything is sharp
     bool movesWithin = false;             ///< some keyed value changes while the shutter is open
     std::string quality = "standard";     ///< name of the preset that `dials` started from
     /// Texels and sheets are to be chosen so that the preset's promise holds; false where the scene states either of

@@ -46,6 +46,8 @@ struct CameraKeys : SectionOf<Scene> {
                          &shift, &pixelAspect});
         exclude({&orbit}, {&position});
         exclude({&fov, &fovAxis}, {&focalLength, &aperture, &fit});
+        exclude({&lensRadius}, {&fstop, &worldUnit});
+        exclude({&exr}, {&fstop, &worldUnit});
     }
     const Key& type = choice("type", {"perspective", "orthographic"}, within(&Scene::camera, &Camera::type),
                              "The projection of the camera.");
@@ -89,6 +91,26 @@ struct CameraKeys : SectionOf<Scene> {
                             "width, keeps its height, shows no more than the film ('fill'), or shows all of the film "
                             "('overscan'). Needs 'aperture' = [width, height].")
                          .onlyFor("perspective");
+    const Key& fstop =
+        number("fstop", Range::aboveTo(0, 1e6), {},
+               "Depth of field: the focal length over the diameter of the lens; needs 'focus_distance'. Where only "
+               "'fov' gives the lens, the film is 36 mm wide.")
+            .onlyFor("perspective")
+            .unless("everything is sharp")
+            .keyed();
+    const Key& worldUnit = number("world_unit", Range::aboveTo(0, 1e12, "mm"), 1000,
+                                  "What a world unit is for 'fstop': 1000 if it is a metre, 10 if a centimetre.")
+                               .onlyFor("perspective");
+    const Key& lensRadius = number("lens_radius", Range::length(), {},
+                                   "Depth of field: the radius of the lens in the world, in place of 'fstop'; needs "
+                                   "'focus_distance'. 0: everything is sharp.")
+                                .onlyFor("perspective")
+                                .unless("that of 'fstop'")
+                                .keyed();
+    const Key& focusDistance =
+        number("focus_distance", Range::positiveLength(), {}, "Depth along the viewing axis at which things are sharp.")
+            .onlyFor("perspective")
+            .keyed();
     const Key& height = number("height", Range::positiveLength(), within(&Scene::camera, &Camera::height),
                                "Height of the picture in the world; needed.")
                             .needed()

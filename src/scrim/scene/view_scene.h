@@ -95,12 +95,19 @@ struct ViewDeep {
 
 struct ViewScene;
 
-/// What the camera sees while its shutter is open, moment by moment. Only checks of the picture need it.
+/// One of the pictures that a picture with motion blur or depth of field is the mean of.
+struct Moment {
+    double time = 0;  ///< frames relative to the scene's frame
+    Vec2 lens{0};     ///< the place on the lens, in its radii
+};
+
+/// What the camera sees moment by moment. Only checks of the picture need it.
 struct ViewMoments {
     double open = 0, close = 0;  ///< frames relative to the scene's frame
-    double path = 0;             ///< longest path that anything travels while the shutter is open, pixels
-    /// The scene at an offset of so many frames, with the fields where the files have them.
-    std::function<ViewScene(double)> at;
+    double path = 0;             ///< the longest way of anything from moment to moment, pixels
+    bool lens = false;           ///< moments differ by places on the lens, too
+    /// The scene at a moment, with the fields where the files have them.
+    std::function<ViewScene(const Moment&)> at;
 };
 
 /// The moments that the picture averages, as the plan reports them.
@@ -109,6 +116,13 @@ struct ViewShutter {
     int samples = 1;             ///< number of renders
     double path = 0;             ///< longest path that anything travels while the shutter is open, pixels
     bool moves = false;          ///< something moves
+};
+
+/// The lens of the camera, as the plan reports it.
+struct ViewLens {
+    Lens lens;
+    int samples = 1;  ///< number of renders
+    double blur = 0;  ///< largest diameter of the picture of a point, pixels
 };
 
 struct ViewScene {
@@ -128,6 +142,7 @@ struct ViewScene {
     std::size_t volumeCount = 0;       ///< number of volumes of the scene, culled ones included; 0: as many as are here
     std::optional<ViewDeep> deep;      ///< none: the flat picture alone
     std::optional<ViewShutter> shutter;  ///< none: the scene has no shutter
+    std::optional<ViewLens> lens;        ///< none: everything is sharp
     /// Null: the picture shows one moment, which is this scene. Otherwise the picture is the mean over moments, and
     /// this scene is one of them.
     std::shared_ptr<const ViewMoments> moments;

@@ -220,6 +220,7 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     if (wants(out, Layer::volume) && !wants(out, Layer::cryptomatte)) out.layers.push_back(Layer::cryptomatte);
     out.depths = scene.output.holdout.picture;
     if (scene.shutter) out.shutter = ViewShutter{scene.shutter->open, scene.shutter->close};
+    if (scene.lens) out.lens = ViewLens{*scene.lens};
     out.lines = scene.lines;
     out.volumeCount = scene.volumes.size();
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {

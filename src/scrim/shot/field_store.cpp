@@ -263,7 +263,7 @@ void FieldStore::make(const Origin& origin, const std::vector<Use>& missing) {
 std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const {
     std::vector<std::optional<std::vector<Vec3>>> corners(scene.volumes.size());
     // Moving volumes are culled moment by moment instead.
-    if (isBlurred(scene)) return std::vector<std::string>(scene.volumes.size());
+    if (isBlurred(scene) || scene.lens) return std::vector<std::string>(scene.volumes.size());
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
         // Each of these may change bounds.

@@ -163,7 +163,7 @@ void FrameRender::keepPlan(const ViewScene& view, const Plan& plan) {
 }
 
 Frame FrameRender::renderPlanned(const ViewScene& view, const Plan& plan, const ProgressSink& progress) const {
-    return m_motion.moves() ? m_motion.render(view, progress) : scrim::render(view, plan, progress, m_options.shown);
+    return m_motion.blurs() ? m_motion.render(view, progress) : scrim::render(view, plan, progress, m_options.shown);
 }
 
 Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
@@ -185,7 +185,7 @@ Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
         sampling.announce = m_options.announce;
         const PixelSample sample = timed(seconds.verify, [&] { return samplePixels(truth, frame.image, sampling); });
         m_report.verification = reportOf(summarise(sample), sample);
-        if (!m_motion.moves()) {
+        if (!m_motion.blurs()) {
             const CaughtDifference caught =
                 timed(seconds.verify, [&] { return differenceOfCaught(truth, frame, m_options.verify); });
             m_report.verification->caughtValues = caught.values;

@@ -15,7 +15,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -27,7 +29,7 @@
 namespace scrim {
 namespace {
 
-constexpr int kMostSamples = 128;
+constexpr int kMostSamples = 128, kMostWithLens = 512;
 constexpr double kBlurPart = 0.7;  // of the promised error; squares of this and of what texels and sheets leave add up
 
 // The raster position of a point; no value where it is not in front of the camera.
@@ -134,12 +136,11 @@ class ShotMotion::Moments {
     double lod() const { return m_lod; }
     // The fields are where the files have them, beside the velocity that moves them.
     ViewScene inPlace(double t) const { return inPlace(t, m_shot.sceneAt(t)); }
+    ViewScene inPlace(double t, const Scene& at) const;
     // The fields are moved, and volumes that the picture does not need are left out. `at`: the scene at time t.
     ViewScene moved(double t, const Scene& at) const;
 
   private:
-    ViewScene inPlace(double t, const Scene& at) const;
-
     const LoadedShot& m_shot;
     const RenderOptions& m_options;
     const double m_lod;
@@ -171,7 +172,11 @@ ShotMotion::Moments::Moments(const LoadedShot& shot, const RenderOptions& option
 
 ViewScene ShotMotion::Moments::inPlace(double t, const Scene& at) const {
     for (std::size_t i = 0; i < at.volumes.size(); ++i)
-        if (!sameLook(at.volumes[i], m_middle.volumes[i])) return m_shot.viewAt(t, m_options, m_lod, VolumesOf::scene);
+        if (!sameLook(at.volumes[i], m_middle.volumes[i])) {
+            ViewScene out = m_shot.viewAt(t, m_options, m_lod, VolumesOf::scene);
+            out.camera = at.camera;
+            return out;
+        }
     ViewScene out = m_base;
     out.camera = at.camera;
     out.lights = at.lights;
@@ -207,48 +212,77 @@ ViewScene ShotMotion::Moments::moved(double t, const Scene& at) const {
 }
 
 ShotMotion::ShotMotion(const LoadedShot& shot, const RenderOptions& options) : m_shot(shot), m_options(options) {
-    if (!shot.scene.shutter) return;
-    m_shutter = *shot.scene.shutter;
-    const bool moves =
-        shot.scene.movesWithin || std::any_of(shot.fields.begin(), shot.fields.end(), [](const VolumeFields& fields) {
-            return std::any_of(fields.velocity.begin(), fields.velocity.end(),
-                               [](const auto& part) { return part && !part->empty(); });
-        });
-    if (!moves) return;
+    if (shot.scene.shutter) m_shutter = *shot.scene.shutter;
+    m_moves =
+        shot.scene.shutter &&
+        (shot.scene.movesWithin || std::any_of(shot.fields.begin(), shot.fields.end(), [](const VolumeFields& fields) {
+             return std::any_of(fields.velocity.begin(), fields.velocity.end(),
+                                [](const auto& part) { return part && !part->empty(); });
+         }));
+    if (!m_moves && !shot.scene.lens) return;
     m_moments = std::make_shared<const Moments>(shot, options, shot.scene.dials.lod.value_or(0), middle());
     m_path = longestPath();
+    m_blur = largestBlur();
     const std::optional<int>& samples = shot.scene.dials.shutterSamples;
     m_samples = samples ? *samples : samplesFor(m_path);
-    m_middle = viewAt(middle());
+    m_middle = viewAt({middle(), Vec2(0)});
     chooseDials();
 }
 
 ShotMotion::~ShotMotion() = default;
 
-ViewScene ShotMotion::viewAt(double t) const {
-    const Scene at = m_shot.sceneAt(t);
-    ViewScene view = m_moments->moved(t, at);
-    if (wantsMotion(at)) addMotion(view, at, m_shot.nextAt(t), m_shot.fields);
+// With a lens alone, the places are a sunflower's seeds; if things move, too, moments are in the order of time, and
+// each has a place of an evenly spread set (M. Roberts' R2).
+Moment ShotMotion::momentOf(int i, int count) const {
+    Moment moment;
+    moment.time = m_shutter.open + (i + 0.5) / count * (m_shutter.close - m_shutter.open);
+    if (!m_shot.scene.lens) return moment;
+    const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+    const Vec2 square = glm::fract(Vec2(0.5) + double(i) * Vec2(0.7548776662466927, 0.5698402909980532));
+    const double radius = std::sqrt(m_moves ? square.x : (i + 0.5) / count);
+    const double angle = m_moves ? 2 * std::numbers::pi * square.y : golden * i;
+    moment.lens = radius * Vec2(std::cos(angle), std::sin(angle));
+    return moment;
+}
+
+// The scene as it is seen from a place on the lens.
+Scene ShotMotion::sceneAt(const Moment& moment) const {
+    Scene at = m_shot.sceneAt(moment.time);
+    if (at.lens) at.camera = throughLens(at.camera, *at.lens, moment.lens);
+    return at;
+}
+
+ViewScene ShotMotion::viewAt(const Moment& moment) const {
+    const Scene at = sceneAt(moment);
+    ViewScene view = m_moments->moved(moment.time, at);
+    if (wantsMotion(at)) {
+        Scene next = m_shot.nextAt(moment.time);
+        if (next.lens) next.camera = throughLens(next.camera, *next.lens, moment.lens);
+        addMotion(view, at, next, m_shot.fields);
+    }
     return view;
 }
 
 ViewScene ShotMotion::view() const {
     ViewScene view =
-        moves() ? m_middle : m_shot.view(m_options, m_shot.scene.dials.lod.value_or(0), VolumesOf::picture);
-    if (m_shot.scene.shutter) view.shutter = ViewShutter{m_shutter.open, m_shutter.close, m_samples, m_path, moves()};
+        blurs() ? m_middle : m_shot.view(m_options, m_shot.scene.dials.lod.value_or(0), VolumesOf::picture);
+    if (m_shot.scene.shutter)
+        view.shutter = ViewShutter{m_shutter.open, m_shutter.close, m_moves ? m_samples : 1, m_path, m_moves};
+    if (m_shot.scene.lens) view.lens = ViewLens{*m_shot.scene.lens, m_samples, m_blur};
     return view;
 }
 
 ViewScene ShotMotion::truth() const {
-    if (!moves()) return m_shot.view(m_options, 0, VolumesOf::scene);
+    if (!blurs()) return m_shot.view(m_options, 0, VolumesOf::scene);
     const auto scenes =
         m_moments->lod() == 0 ? m_moments : std::make_shared<const Moments>(m_shot, m_options, 0, middle());
     ViewScene out = scenes->inPlace(middle());
     auto moments = std::make_shared<ViewMoments>();
     moments->open = m_shutter.open;
     moments->close = m_shutter.close;
-    moments->path = m_path;
-    moments->at = [scenes](double t) { return scenes->inPlace(t); };
+    moments->path = m_path + m_blur;
+    moments->lens = m_shot.scene.lens.has_value();
+    moments->at = [this, scenes](const Moment& moment) { return scenes->inPlace(moment.time, sceneAt(moment)); };
     out.moments = std::move(moments);
     return out;
 }
@@ -298,6 +332,25 @@ double ShotMotion::longestPath() {
     return std::min(*std::max_element(paths.begin(), paths.end()) + (wsWay + lights) / pixel, most);
 }
 
+// Of the corners of all that the picture shows.
+double ShotMotion::largestBlur() const {
+    if (!m_shot.scene.lens) return 0;
+    const Places places = pointsOf(m_moments->inPlace(middle()));
+    const Camera& camera = places.camera;
+    const double diagonal = std::hypot(camera.resolution.x, camera.resolution.y);
+    double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
+    for (const Vec3& ws : places.ws) {
+        const double depth = glm::dot(ws - camera.wsPosition, viewingAxis(camera));
+        nearest = std::min(nearest, std::max(depth, camera.near));
+        farthest = std::max(farthest, depth);
+    }
+    if (farthest <= 0) return 0;
+    // What is nearer than this would be blurred to more than the picture.
+    nearest = std::max(nearest, 1e-6 * farthest);
+    const Lens& lens = *m_shot.scene.lens;
+    return std::min(std::max(blurAt(camera, lens, nearest), blurAt(camera, lens, farthest)), diagonal);
+}
+
 double ShotMotion::promised() const {
     const Scene& scene = m_shot.scene;
     const bool classified =
@@ -335,13 +388,24 @@ int ShotMotion::samplesFor(double path) const {
     const double error = kBlurPart * promised();
     double most = std::max(path / m_voxelPixels / std::sqrt(error / kOfVoxelSteps), kLeast);
     if (m_shot.solids) most = std::max(most, kOfHardSteps / error);
+    // Places on the lens that are s voxels apart are off by 2.8 % times s^2: 8 of them by 2.5 %, of a block that is
+    // hard at every voxel and blurred to 3 voxels.
+    constexpr double kOfPlaces = 0.028;
+    const bool lens = m_shot.scene.lens.has_value();
+    const double across = 0.5 * m_blur / m_voxelPixels;
+    if (lens) most += std::numbers::pi * across * across * kOfPlaces / error;
+    // Moments and places together are a set in three dimensions, whose gaps close more slowly.
+    if (lens && m_moves) most *= 3;
     const double wanted = std::min(wantedSamples(error, most), most);
-    if (wanted > kMostSamples)
+    const int limit = lens ? kMostWithLens : kMostSamples;
+    if (wanted > limit)
         notify(m_options.messages, Severity::warning,
-               fmt::format("motion blur: the longest motion is {:.0f} pixels, which needs {} renders of the frame, but "
-                           "{} are made; shutter_samples sets another number",
-                           path, std::ceil(wanted), kMostSamples));
-    return static_cast<int>(std::ceil(std::min(wanted, double(kMostSamples))));
+               fmt::format("{}: {} {:.0f} pixels, which needs {} renders of the frame, but {} are made; "
+                           "shutter_samples sets another number",
+                           lens ? "depth of field" : "motion blur",
+                           lens ? "a point is blurred to" : "the longest motion is", lens ? m_blur : path,
+                           std::ceil(wanted), limit));
+    return static_cast<int>(std::ceil(std::min(wanted, double(limit))));
 }
 
 // Small pictures with 2, 4, 8... moments tell how fast the error falls. They show the whole picture, whatever the crop,
@@ -349,7 +413,9 @@ int ShotMotion::samplesFor(double path) const {
 // smooth over a step and with less where an edge passes: 1.4 to 2.5 was measured from 2 to 16 moments.
 double ShotMotion::wantedSamples(double error, double most) const {
     constexpr int kPilotEdge = 160, kPilotVoxel = 2;  // pixels
-    constexpr double kOrder = 1.75, kLeast = 2;
+    // Of places on a lens, whose distances fall with the root of their number, it falls with half that order.
+    const double order = m_shot.scene.lens ? 1 : 1.75;
+    constexpr double kLeast = 2;
     const Int2 size = m_shot.scene.camera.resolution;
     const double scale = std::min(1.0, double(kPilotEdge) / std::max(size.x, size.y));
     const Moments moments(m_shot, m_options, std::max(kPilotVoxel / scale, m_shot.scene.dials.lod.value_or(0)),
@@ -358,8 +424,8 @@ double ShotMotion::wantedSamples(double error, double most) const {
     const auto picture = [&](int count) {
         MeanFrame mean(count);
         for (int i = 0; i < count; ++i) {
-            const double t = timeOf(i, count);
-            ViewScene coarse = moments.moved(t, m_shot.sceneAt(t));
+            const Moment moment = momentOf(i, count);
+            ViewScene coarse = moments.moved(moment.time, sceneAt(moment));
             coarse.dials = *presetDials(presetNames().front());
             const ViewScene pilot = pilotView(std::move(coarse), kPilotEdge);
             mean.add(scrim::render(pilot, makePlan(pilot, threadCount(), waits), waits));
@@ -369,9 +435,9 @@ double ShotMotion::wantedSamples(double error, double most) const {
     Image coarse = picture(2);
     for (int count = 4;; count *= 2) {
         Image fine = picture(count);
-        // The error of `fine`, if it falls with kOrder.
-        const double left = differenceOf(coarse, fine).error / (std::pow(2, kOrder) - 1);
-        const double wanted = count * std::pow(left / error, 1 / kOrder);
+        // The error of `fine`, if it falls with that order.
+        const double left = differenceOf(coarse, fine).error / (std::pow(2, order) - 1);
+        const double wanted = count * std::pow(left / error, 1 / order);
         // A further pilot pays where it may save renders.
         if (wanted <= 2 * count || 2 * count > most) return std::max(wanted, kLeast);
         coarse = std::move(fine);
@@ -382,8 +448,8 @@ Frame ShotMotion::render(const ViewScene& view, const ProgressSink& progress) co
     // Half of the tolerance is for each moment, and half for their mean.
     MeanFrame mean(m_samples, view.deep ? 0.5 * view.deep->tolerance : 0);
     for (int i = 0; i < m_samples; ++i) {
-        const bool middle = 2 * i + 1 == m_samples;
-        ViewScene moment = middle ? m_middle : viewAt(timeOf(i, m_samples));
+        const bool middle = 2 * i + 1 == m_samples && !m_shot.scene.lens;
+        ViewScene moment = middle ? m_middle : viewAt(momentOf(i, m_samples));
         moment.dials = view.dials;
         if (view.deep) moment.deep = ViewDeep{0.5 * view.deep->tolerance};
         moment.memoryLimit = limitBeside(moment.memoryLimit, mean.deepBytes());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A loaded shot while its shutter is open: its views moment by moment, and the picture that is their mean. The radiance
-// of whole renders is averaged, so that occlusion and shadows are right at every moment.
+// A loaded shot while its shutter is open, and from all places on its lens: its views moment by moment, and the picture
+// that is their mean. The radiance of whole renders is averaged, so that occlusion and shadows are right at every
+// moment.
 #pragma once
 
 #include <scrim/engine/model/frame.h>
@@ -15,13 +16,13 @@ namespace scrim {
 class ShotMotion {
   public:
     /// `shot` and `options` must outlive this object and all views. If nothing in the shot moves while the shutter is
-    /// open, there is one moment, the shot's frame. Otherwise small pilot renders choose how many moments the picture
-    /// needs, unless the dial says so. Throws Error.
+    /// open, and everything is sharp, there is one moment, the shot's frame. Otherwise small pilot renders choose how
+    /// many moments the picture needs, unless the dial says so. Throws Error.
     ShotMotion(const LoadedShot& shot, const RenderOptions& options);
     ~ShotMotion();
 
-    /// True if anything moves.
-    bool moves() const { return m_moments != nullptr; }
+    /// True if the picture is a mean of moments.
+    bool blurs() const { return m_moments != nullptr; }
     /// The number of renders that the picture averages.
     int samples() const { return m_samples; }
 
@@ -38,23 +39,24 @@ class ShotMotion {
   private:
     class Moments;
     /// The view of a moment that the engine renders.
-    ViewScene viewAt(double t) const;
+    ViewScene viewAt(const Moment& moment) const;
+    Scene sceneAt(const Moment& moment) const;
+    double largestBlur() const;
     double longestPath();
     int samplesFor(double path) const;
     double wantedSamples(double error, double most) const;
     void chooseDials();
     double promised() const;
     double middle() const { return 0.5 * (m_shutter.open + m_shutter.close); }
-    /// The middle of part `i` of `count` equal parts of the shutter's time.
-    double timeOf(int i, int count) const {
-        return m_shutter.open + (i + 0.5) / count * (m_shutter.close - m_shutter.open);
-    }
+    Moment momentOf(int i, int count) const;
 
     const LoadedShot& m_shot;
     const RenderOptions& m_options;
     Shutter m_shutter;
-    std::shared_ptr<const Moments> m_moments;  // null: nothing moves
+    std::shared_ptr<const Moments> m_moments;  // null: there is one moment
+    bool m_moves = false;                      // something moves while the shutter is open
     double m_path = 0;                         // pixels
+    double m_blur = 0;                         // by the lens: the largest diameter of a point, pixels
     double m_voxelPixels = 1;                  // pixels that a voxel covers
     int m_samples = 1;
     ViewScene m_middle;  // with the dials of each moment

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include <glm/common.hpp>
 
 namespace scrim {
 namespace {
@@ -18,6 +21,13 @@ constexpr int kPaths = 2048, kMostPaths = 16 * kPaths;  // for multiply scattere
 constexpr double kNoise = 0.02;
 constexpr double kChange = 1e-3;  // convergence threshold, relative to the brightest mean
 
+// Evenly spread places on a lens, any number of them in this order (M. Roberts' R2).
+Vec2 placeOnLens(std::size_t i) {
+    const Vec2 square = glm::fract(Vec2(0.25, 0.7) + double(i) * Vec2(0.7548776662466927, 0.5698402909980532));
+    const double radius = std::sqrt(square.x), angle = 2 * std::numbers::pi * square.y;
+    return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
 bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
     for (std::size_t c = 0; c < 4; ++c)
         if (std::abs(a[c] - b[c]) > kChange * brightest[c]) return true;
@@ -28,14 +38,14 @@ bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
 
 MomentsReference::MomentsReference(const ViewScene& truth) : m_truth(truth), m_paths(kPaths) {
     if (!truth.moments) {
-        Moment& still = m_levels.emplace_back().emplace_back();
+        OfMoment& still = m_levels.emplace_back().emplace_back();
         still.reference = std::make_unique<const Reference>(truth, ReferenceOptions{}, &m_samplers);
         still.paths = std::make_unique<const PathTracer>(truth, &m_samplers);
         return;
     }
     // If the limit of 24 intervals allows it, nothing travels further than about two pixels between two moments of the
     // first level.
-    m_intervals = static_cast<std::size_t>(std::clamp(truth.moments->path / 4, 3.0, 24.0));
+    m_intervals = static_cast<std::size_t>(std::clamp(truth.moments->path / 4, truth.moments->lens ? 16.0 : 3.0, 24.0));
 }
 
 std::size_t MomentsReference::moments() const {
@@ -44,17 +54,18 @@ std::size_t MomentsReference::moments() const {
     return count;
 }
 
-const std::vector<MomentsReference::Moment>& MomentsReference::momentsOf(std::size_t level) {
+const std::vector<MomentsReference::OfMoment>& MomentsReference::momentsOf(std::size_t level) {
     if (level < m_levels.size()) return m_levels[level];
     const ViewMoments& moments = *m_truth.moments;
     const std::size_t intervals = m_intervals << level;
     const double length = (moments.close - moments.open) / double(intervals), gauss = 0.5 / std::sqrt(3.0);
-    std::vector<Moment>& made = m_levels.emplace_back();
+    std::vector<OfMoment>& made = m_levels.emplace_back();
     for (std::size_t i = 0; i < intervals; ++i)
         for (const double side : {-gauss, gauss}) {
-            Moment& moment = made.emplace_back();
+            OfMoment& moment = made.emplace_back();
             const double t = moments.open + (double(i) + 0.5 + side) * length;
-            moment.scene = std::make_unique<const ViewScene>(moments.at(t));
+            const Vec2 place = moments.lens ? placeOnLens(made.size()) : Vec2(0);
+            moment.scene = std::make_unique<const ViewScene>(moments.at({t, place}));
             moment.reference = std::make_unique<const Reference>(*moment.scene, ReferenceOptions{}, &m_samplers);
             if (level == 0) moment.paths = std::make_unique<const PathTracer>(*moment.scene, &m_samplers);
         }
@@ -62,7 +73,7 @@ const std::vector<MomentsReference::Moment>& MomentsReference::momentsOf(std::si
 }
 
 std::vector<Rgba> MomentsReference::meansOver(std::span<const VerifiedPixel> pixels, std::size_t level) {
-    const std::vector<Moment>& moments = momentsOf(level);
+    const std::vector<OfMoment>& moments = momentsOf(level);
     std::vector<Rgba> values(pixels.size() * moments.size());
     parallelFor(values.size(), [&](std::size_t i) {
         const VerifiedPixel& p = pixels[i / moments.size()];
@@ -149,7 +160,7 @@ void MomentsReference::evaluateSingle(std::span<VerifiedPixel> pixels) {
 // Adds multiply scattered light on the first level only; its noise exceeds the differences between levels.
 void MomentsReference::addScattered(std::span<VerifiedPixel> pixels, int all) const {
     if (pixels.empty()) return;
-    const std::vector<Moment>& moments = m_levels.front();
+    const std::vector<OfMoment>& moments = m_levels.front();
     constexpr int kLeast = 16;  // paths of a moment
     const int paths = std::max(all / static_cast<int>(moments.size()), kLeast);
     parallelFor(pixels.size(), [&](std::size_t i) {

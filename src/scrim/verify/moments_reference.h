@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference for a picture that a shutter blurs: the mean of true pictures over time, by Gauss' rule with two points
-// on more and more intervals until a pixel stops changing. It does not depend on how the picture was rendered.
+// The reference for a picture that a shutter or a lens blurs: the mean of true pictures over time, by Gauss' rule with
+// two points on more and more intervals, and over the lens, until a pixel stops changing. It does not depend on how the
+// picture was rendered.
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -28,13 +29,13 @@ class MomentsReference {
     std::size_t moments() const;
 
   private:
-    struct Moment {
+    struct OfMoment {
         std::unique_ptr<const ViewScene> scene;
         std::unique_ptr<const Reference> reference;
         std::unique_ptr<const PathTracer> paths;  // only on the first level
     };
     /// The moments of `2^level` times as many intervals as the first level has.
-    const std::vector<Moment>& momentsOf(std::size_t level);
+    const std::vector<OfMoment>& momentsOf(std::size_t level);
     void evaluateSingle(std::span<VerifiedPixel> pixels);
     void addScattered(std::span<VerifiedPixel> pixels, int paths) const;
     void choosePaths(std::span<const VerifiedPixel> pixels);
@@ -42,12 +43,12 @@ class MomentsReference {
 
     const ViewScene& m_truth;
     FieldSamplers m_samplers;
-    std::size_t m_intervals = 1;                // on the first level
-    std::vector<std::vector<Moment>> m_levels;  // each level is made when it is first needed
-    std::array<double, 4> m_brightest{};        // brightest mean seen so far in each channel
-    int m_paths;                                // for multiply scattered light, of a pixel or a square
-    double m_noise = 0, m_light = 0;            // sums over the pixels so far: variance times paths, and the mean
-    std::size_t m_seen = 0;                     // pixels in the sums
+    std::size_t m_intervals = 1;                  // on the first level
+    std::vector<std::vector<OfMoment>> m_levels;  // each level is made when it is first needed
+    std::array<double, 4> m_brightest{};          // brightest mean seen so far in each channel
+    int m_paths;                                  // for multiply scattered light, of a pixel or a square
+    double m_noise = 0, m_light = 0;              // sums over the pixels so far: variance times paths, and the mean
+    std::size_t m_seen = 0;                       // pixels in the sums
 };
 
 }  // namespace scrim

@@ -102,7 +102,11 @@ std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, 
         for (int i = 0; i <= steps; ++i) {
             const double part = static_cast<double>(i) / steps;
             const double t = (1 - part) * truth.moments->open + part * truth.moments->close;
-            for (const BoxTest& test : boxTests(truth.moments->at(t))) tests.push_back(test);
+            for (int rim = 0; rim < (truth.moments->lens ? 9 : 1); ++rim) {
+                const double angle = 0.25 * std::numbers::pi * rim;
+                const Vec2 place = rim == 0 ? Vec2(0) : Vec2(std::cos(angle), std::sin(angle));
+                for (const BoxTest& test : boxTests(truth.moments->at({t, place}))) tests.push_back(test);
+            }
         }
     }
     const int n = truth.dials.antialias;

@@ -163,13 +163,11 @@ def test_volumes_of_geometry_nodes_are_written(tmp_path, said):
 
 def test_what_is_not_mapped_is_named_once(smoke, tmp_path, said):
     scene = scene_with(smoke)
-    scene.camera.data.dof.use_dof = True
     s.light("AREA", (2, -2, 2), name="soft", energy=10, spread=1.0, size=0.1)
     other = s.volume(smoke, name="other", Density_Attribute="smoke")
     other.data.materials.append(None)
     s.render(tmp_path / "a.exr")
     assert sorted(said) == [
-        "camera 'camera': depth of field is not rendered",
         "volume 'other' is not rendered: Scrim does not know a density that is the same everywhere; link a grid to it",
     ]
 

@@ -75,12 +75,16 @@ def test_parallel_cameras_have_a_height(world):
     assert got["type"] == "orthographic" and got["height"] == pytest.approx(3) and "fov" not in got
 
 
-def test_other_cameras_fail_and_blur_is_warned_of(world):
+def test_a_lens_is_sharp_at_a_distance_or_an_object(world):
+    dof = {"use_dof": True, "aperture_fstop": 2.0, "focus_distance": 7.0, "focus_object": None}
+    got = camera(world, dof=SimpleNamespace(**dof), lens=50.0)
+    assert got["lens_radius"] == pytest.approx(0.0125) and got["focus_distance"] == 7
+    assert "lens_radius" not in camera(world, dof=SimpleNamespace(**dof), type="ORTHO")
+
+
+def test_other_cameras_fail(world):
     with pytest.raises(Failure, match="the camera 'eye' is neither perspective nor orthographic"):
         camera(world, type="PANO")
-    camera(world, dof=SimpleNamespace(use_dof=True))
-    camera(world, dof=SimpleNamespace(use_dof=True))
-    assert world.said == ["camera 'eye': depth of field is not rendered"]
 
 
 # Lights

@@ -251,12 +251,22 @@ def test_a_camera_projects_as_usds_own(tmp_path, ortho):
 def test_near_and_what_a_camera_does_not_do(foggy):
     camera = UsdGeom.Camera.Get(foggy.stage, "/cam")
     camera.GetClippingRangeAttr().Set(Gf.Vec2f(50, 70))
-    camera.GetFStopAttr().Set(2.8)
-    camera.GetFocusDistanceAttr().Set(40.0)
     shot = foggy.open()
     assert alpha(shot.render())[8, 8] == pytest.approx(1 - math.exp(-TAU / 2), rel=0.02)
-    assert "/cam: depth of field is not rendered" in shot.warnings
     assert "/cam: its far clipping plane at 70 is not rendered" in shot.warnings
+
+
+def test_a_lens_blurs_what_is_not_at_its_distance(foggy):
+    camera = UsdGeom.Camera.Get(foggy.stage, "/cam")
+    camera.GetProjectionAttr().Set(UsdGeom.Tokens.perspective)
+    camera.GetFocalLengthAttr().Set(50.0)
+    camera.GetFStopAttr().Set(2.0)
+    camera.GetFocusDistanceAttr().Set(40.0)
+    scene = foggy.open().scene(1)
+    assert scene["camera"]["lens_radius"] == pytest.approx(0.1 * 50 / 4)
+    assert scene["camera"]["focus_distance"] == 40
+    camera.GetFStopAttr().Set(0.0)
+    assert "lens_radius" not in foggy.open().scene(1)["camera"]
 
 
 def test_the_shutter_blurs_what_moves(foggy):

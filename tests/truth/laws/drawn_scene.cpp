@@ -464,7 +464,7 @@ DrawnScene drawnScene(const std::vector<double>& numbers) {
 
 const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
     static const std::string files = "of files, which are read before there is a view";
-    static const std::string time = "of time: moments are whole renders (truth/effects, unit/shot)";
+    static const std::string time = "of time and lenses: moments are whole renders (truth/effects, unit/shot)";
     static const std::string same = "another way to write what is drawn";
     static const std::vector<std::pair<std::string, std::string>> keys{{"scene.", same},
                                                                        {"orbit.", same},
@@ -473,6 +473,10 @@ const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
                                                                        {"camera.exr", files},
                                                                        {"camera.ndc", files},
                                                                        {"camera.shutter", time},
+                                                                       {"camera.fstop", time},
+                                                                       {"camera.world_unit", time},
+                                                                       {"camera.lens_radius", time},
+                                                                       {"camera.focus_distance", time},
                                                                        {"slide.colorspace", files},
                                                                        {"slide.height", same},
                                                                        {"texture.", files},

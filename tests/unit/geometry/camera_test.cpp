@@ -32,6 +32,29 @@ void expectNear(const Vec3& a, const Vec3& b, double tolerance = 1e-12) {
         << a.x << "," << a.y << "," << a.z << " and " << b.x << "," << b.y << "," << b.z;
 }
 
+// The raster position of a point.
+Vec2 rasterOf(const Camera& camera, const Vec3& ws) {
+    const RayFamily rays = wsRays(camera);
+    const Vec3 p = glm::inverse(Mat3(rays.directionX, rays.directionY, rays.direction0)) * (ws - rays.origin0);
+    return Vec2(p) / p.z;
+}
+
+// From all places on the lens a point at the focus is seen in one place, and others in a disk of half the blur.
+TEST(Lens, KeepsTheFocusInItsPlace) {
+    Camera camera = someCamera(CameraType::perspective);
+    camera.shift = {0.1, -0.2};
+    camera.pixelAspect = 1.25;
+    const Lens lens{0.3, 7};
+    for (const Vec2 place : {Vec2(0, 0), Vec2(1, 0), Vec2(-0.6, 0.8)}) {
+        const Camera moved = throughLens(camera, lens, place);
+        const Vec3 sharp(1 - 7, 2.4, 1.2), far(1 - 20, 3, 6);
+        expectNear(Vec3(rasterOf(moved, sharp), 0), Vec3(rasterOf(camera, sharp), 0), 1e-9);
+        Vec2 way = rasterOf(moved, far) - rasterOf(camera, far);
+        way.y /= camera.pixelAspect;
+        EXPECT_NEAR(glm::length(way), 0.5 * blurAt(camera, lens, 20) * glm::length(place), 1e-9);
+    }
+}
+
 TEST(PerspectiveRays, MeetAtTheEyeAndHaveDepthAsParameter) {
     const RayFamily rays = wsRays(someCamera(CameraType::perspective));
     for (const double x : {0.0, 123.4, 400.0})

@@ -141,7 +141,8 @@ TEST(SceneCamera, UnknownKeysAreErrors) {
     EXPECT_EQ(cameraError("fvo = 20\n"),
               "scene.toml:4:1: 'fvo' is not known here ([camera] of type 'perspective'); did you mean 'fov'?; allowed: "
               "'type', 'position', 'target', 'up', 'matrix', 'orbit', 'exr', 'fov', 'fov_axis', 'focal_length', "
-              "'aperture', 'shift', 'near', 'shutter', 'resolution', 'pixel_aspect' or 'overscan'");
+              "'aperture', 'fstop', 'world_unit', 'lens_radius', 'focus_distance', 'shift', 'near', 'shutter', "
+              "'resolution', 'pixel_aspect' or 'overscan'");
     EXPECT_EQ(errorOf("[camera]\npositoin = [0, 0, 1]\ntarget = [0, 0, 0]\n" + kVolume),
               "scene.toml:2:1: 'positoin' is not known here ([camera] of type 'perspective'); did you mean "
               "'position'?");

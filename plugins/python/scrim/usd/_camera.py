@@ -49,6 +49,21 @@ def _aspect(settings: Settings, film: tuple[float, float]) -> tuple[tuple[int, i
     return (width, height), settings.pixel_aspect
 
 
+def _focus(reading: Reading, camera: UsdGeom.Camera) -> dict:
+    """Depth of field, in world units; none without an f-stop and a distance."""
+
+    def radius(time: float) -> float:
+        stop = float(reading.get(camera.GetFStopAttr(), time))
+        return 0.1 * float(reading.get(camera.GetFocalLengthAttr(), time)) / (2 * stop) if stop > 0 else 0.0
+
+    def distance(time: float) -> float:
+        return float(reading.get(camera.GetFocusDistanceAttr(), time))
+
+    if not (distance(reading.frame) > 0 and radius(reading.frame) > 0):
+        return {}
+    return {"lens_radius": reading.moving(radius), "focus_distance": reading.moving(distance)}
+
+
 def _lens(reading: Reading, camera: UsdGeom.Camera, settings: Settings) -> dict:
     frame = reading.frame
 
@@ -80,6 +95,8 @@ def _lens(reading: Reading, camera: UsdGeom.Camera, settings: Settings) -> dict:
         out["focal_length"] = reading.moving(lambda t: float(reading.get(camera.GetFocalLengthAttr(), t)))
         out["aperture"] = reading.moving(lambda t: list(film(t)))
         out["fit"] = shown(frame)[2]
+        if settings.depth_of_field:
+            out.update(_focus(reading, camera))
     moved = reading.moving(shift)
     if moved != [0.0, 0.0]:
         out["shift"] = moved
@@ -95,8 +112,6 @@ def _frame(reading: Reading, prim: Usd.Prim, time: float) -> list[list[float]]:
 
 def _say_what_is_not(reading: Reading, prim: Usd.Prim, camera: UsdGeom.Camera) -> float:
     """Warns of what is not mapped of a camera. Returns the distance of its near plane."""
-    if reading.get(camera.GetFStopAttr()) > 0 and reading.get(camera.GetFocusDistanceAttr()) > 0:
-        reading.warn(prim, "depth of field is not rendered")
     if reading.get(camera.GetClippingPlanesAttr()):
         reading.warn(prim, "its clipping planes are not rendered")
     near, far = reading.get(camera.GetClippingRangeAttr())

@@ -26,6 +26,7 @@ class Settings:
     policy: str = "expandAperture"
     window: tuple[float, float, float, float] = (0.0, 0.0, 1.0, 1.0)
     blur: bool = True
+    depth_of_field: bool = True
 
 
 def _only(reading: Reading, schema: type, what: str) -> Usd.Prim | None:
@@ -157,4 +158,5 @@ def read(reading: Reading, scene: dict) -> Settings:
         str(_value(reading, prim, first, "aspectRatioConformPolicy")),
         window,
         not still,
+        not _value(reading, prim, first, "disableDepthOfField"),
     )

@@ -345,6 +345,18 @@ Effect motionBlur(const ViewScene& scene) {
             found.where()};
 }
 
+Effect depthOfField(const ViewScene& scene) {
+    if (!scene.lens) return {"depth of field", false, "[camera] has neither fstop nor lens_radius", {}};
+    Finder found(scene);
+    for (const char* key : {"camera.fstop", "camera.lens_radius", "camera.focus_distance"}) found.addPlace(key);
+    const ViewLens& l = *scene.lens;
+    return {"depth of field", true,
+            fmt::format("{} render{} from places on a lens of radius {:.3g}, sharp at {:.4g}; a point is blurred to "
+                        "{:.3g} pixels at most",
+                        l.samples, l.samples == 1 ? "" : "s", l.lens.radius, l.lens.focus, l.blur),
+            found.where()};
+}
+
 // An effect that one key of [render] decides.
 Effect ofDial(const ViewScene& scene, const std::string& name, const std::string& key, bool on,
               const std::string& reason) {
@@ -401,6 +413,7 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back(layers(scene));
     effects.push_back(deepPicture(scene));
     effects.push_back(motionBlur(scene));
+    effects.push_back(depthOfField(scene));
     effects.push_back(crossFade(scene, plan));
     const Dials& dials = scene.dials;
     effects.push_back(ofDial(scene, "antialiasing", "render.antialias", dials.antialias > 1,

@@ -144,7 +144,7 @@ std::string groupLines(const ViewScene& scene, const Plan& plan, const GroupPlan
 
 /// The number of renders that the picture averages.
 int renders(const ViewScene& scene) {
-    return scene.shutter ? scene.shutter->samples : 1;
+    return scene.lens ? scene.lens->samples : scene.shutter ? scene.shutter->samples : 1;
 }
 
 }  // namespace
