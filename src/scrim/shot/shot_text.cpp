@@ -38,7 +38,7 @@ ShotText::ShotText(const std::string& path, const std::vector<std::string>& over
         throw Error(ErrorKind::input, fmt::format("{}: {}", shortened(path), textOf(*format)));
     if (!m_asset && lowerExtension(path) != ".toml")
         throw Error(ErrorKind::usage,
-                    fmt::format("{}: expected a scene (.toml), an asset (.vdb, .nvdb) or a scan (.nrrd, "
+                    fmt::format("{}: expected a scene (.toml), an asset (.vdb, .nvdb, .ply) or a scan (.nrrd, "
                                 ".nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .dcm, or a folder of DICOM files)",
                                 shortened(path)));
     if (m_asset) {

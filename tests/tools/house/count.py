@@ -29,7 +29,7 @@ BUDGETS = {
     "scrim/engine/model": 1700, "scrim/engine/plan": 2950, "scrim/engine/shade": 1800, "scrim/engine/splat": 3250,
     "scrim/engine/cells": 2350, "scrim/engine/lamps": 600, "scrim/engine/passes": 2000, "scrim/engine/solve": 2200,
     "scrim/base": 1900, "scrim/geometry": 900, "scrim/guard": 2200, "scrim/image": 4650, "scrim/scene": 10400,
-    "scrim/shot": 6800, "scrim/solid": 700, "scrim/study": 1500, "scrim/verify": 4300, "scrim/volume": 6900,
+    "scrim/shot": 6800, "scrim/solid": 700, "scrim/study": 1500, "scrim/verify": 4300, "scrim/volume": 8400,
     "load": 1700, "cli": 4200, "modules": 900,
 }  # fmt: skip
 
