@@ -311,7 +311,7 @@ TEST_F(CliErrors, UnknownQualityListsThePresets) {
 TEST_F(CliErrors, UnknownKindOfInputIsUsage) {
     expectFailure({"render", "smoke.png"}, kUsage,
                   "smoke.png: expected a scene (.toml), an asset (.vdb, .nvdb, .ply) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
-                  ".hdr, .mha, .mhd, .npy, .mrc, .dcm, or a folder of DICOM files)");
+                  ".hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm, or a folder of DICOM files)");
 }
 
 TEST_F(CliErrors, NoInputIsUsage) {
