@@ -70,7 +70,7 @@ std::vector<Kind> kinds() {
         {"scan", "a.mhd", meta + "ElementDataFile = samples.bin\n", samples()},
         {"scan", "a.npy", numpy + samples(), ""},
         {"scan", "a.mrc", map + samples(), ""},
-        {"scan", "text.vti", vti + " format=\"ascii\">" + text + vtiEnd, ""},
+        {"scan", "text.vti", vti + " format=\"ascii\">" + text + "</DataArray></PointData></ImageData>", ""},
         {"scan", "raw.vti",
          vti + " format=\"appended\" offset=\"0\"/>" + vtiEnd + "_" + std::string("\xc0\x06\0\0", 4) + samples(), ""},
         {"scan", "a.dcm", frames.bytes(), ""},
