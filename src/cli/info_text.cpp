@@ -60,6 +60,15 @@ std::string gridText(const GridInfo& g) {
         row("not read", g.problem);
         return text;
     }
+    if (g.points > 0 || !g.attributes.empty()) {
+        row("points", fmt::format("{}", g.points));
+        row("radii", g.maxValue > 0 ? fmt::format("{:.6g} to {:.6g}", g.minValue, g.maxValue)
+                                    : "none (pscale, radius or width)");
+        row("attributes", g.attributes.empty() ? "none" : g.attributes);
+        row("world bounds", boundsText(Bounds{g.wsLower, g.wsUpper}));
+        row("usable", "as balls of their radii");
+        return text;
+    }
     row("active voxels", fmt::format("{}, and {} tiles", g.activeVoxels, g.activeTiles));
     row("voxel size", vectorText(g.voxelSize) + (g.affine ? "" : " in the middle (not affine)"));
     row("bounds", boundsText(g));
@@ -128,7 +137,8 @@ std::string rangeText(const std::string& name, const GridRange& g, std::size_t f
 
 std::string infoText(const VdbFileInfo& info) {
     std::string text = fmt::format("{}\n  {:<16} {}\n  {:<16} ", info.path, "bytes", info.fileBytes, "file version");
-    text += info.isNano
+    text += !info.pointFormat.empty() ? fmt::format("points of {}\n", info.pointFormat)
+            : info.isNano
                 ? fmt::format("NanoVDB {}.{}\n", info.libraryMajor, info.libraryMinor)
                 : fmt::format("{}, written by OpenVDB {}.{}\n", info.fileVersion, info.libraryMajor, info.libraryMinor);
     for (const auto& [name, value] : info.metadata) text += fmt::format("  {:<16} {}\n", name, value);

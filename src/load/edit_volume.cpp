@@ -38,6 +38,11 @@ void EditVolume::send() const {
     const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
     const std::vector<GridRequest>& requests = m_request.grids;
     TaskArena(m_threads).run([&] {
+        if (m_request.what == "fields" && !m_edit.editsGrids()) {
+            TransferBlocks blocks(m_transfer);
+            const auto fields = readFields(*m_files.front(), requests, hear, blocks, m_edit.points);
+            return sendFields(m_transfer, fields, messages, &blocks);
+        }
         if (m_request.what == kMadeFields)
             return sendFields(m_transfer, editFields(m_made, m_request.path, requests, *editor, hear), messages);
         if (m_request.what == "fields")

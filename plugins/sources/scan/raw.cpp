@@ -216,6 +216,16 @@ void checkRatio(std::int64_t compressed, std::int64_t bytes, const std::string& 
                                  compressed));
 }
 
+std::vector<float> samplesIn(const std::string& bytes, const RawLayout& layout) {
+    const bool swap = layout.bigEndian == (std::endian::native == std::endian::little);
+    const auto width = static_cast<std::size_t>(bytesOf(layout.type));
+    std::vector<float> values;
+    values.reserve(bytes.size() / width);
+    for (std::size_t at = 0; at + width <= bytes.size(); at += width)
+        values.push_back(sample(layout.type, bytes.data() + at, swap));
+    return values;
+}
+
 std::vector<float> readRaw(const std::string& path, const RawLayout& layout) {
     const std::int64_t count = sampleCount(layout.size, path), width = bytesOf(layout.type);
     const std::int64_t expected = layout.header + count * width, stored = fileBytes(path);

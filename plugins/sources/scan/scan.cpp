@@ -12,6 +12,7 @@
 //   .npy          NumPy: an array (nx, ny, nz), as in scrim.Field
 //   .mrc .map     MRC and CCP4 maps; a world unit is an angstrom
 //   .ccp4 .rec    the same
+//   .vti          VTK image data, as text or bytes, deflated by zlib or not
 //   .dcm .dicom   DICOM: the series in the file's folder that the file belongs to, sorted by the slices' positions
 //   a folder      DICOM: the only series in it
 //   others        raw samples, x fastest; gzipped where the name ends in .gz
@@ -98,7 +99,8 @@ enum {
 // 'auto' means what a header says, and for raw files the first of the other words.
 constexpr scrim_parameter kParameters[kCount] = {
     {"file", SCRIM_STRING, "", 0, 0, nullptr,
-     "path of a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .dcm or raw file, or of a folder of DICOM"},
+     "path of a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm or raw file, or of a folder of "
+     "DICOM"},
     {"size", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "raw: samples along x, y, z"},
     {"type", SCRIM_STRING, "auto", 0, 0, "auto|uint8|int8|uint16|int16|uint32|int32|float|double|uint64|int64|half",
      "raw: type of samples; auto: uint8"},
@@ -163,8 +165,8 @@ Scan readFile(const scrim_value* values) {
     const std::string path = values[kFile].text, name = lowerCase(path);
     if (path.empty())
         throw std::runtime_error(
-            "expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .dcm or raw file, or a "
-            "folder");
+            "expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm or raw file, "
+            "or a folder");
     const bool nrrd = name.ends_with(".nrrd") || name.ends_with(".nhdr");
     const bool nifti = name.ends_with(".nii") || name.ends_with(".nii.gz") || name.ends_with(".hdr");
     using Reader = std::function<Scan(const std::string&)>;
@@ -174,6 +176,7 @@ Scan readFile(const scrim_value* values) {
     if (nifti) reader = [&](const std::string& file) { return readNifti(file, component); };
     if (name.ends_with(".mha") || name.ends_with(".mhd")) reader = readMetaImage;
     if (name.ends_with(".npy")) reader = readNumpy;
+    if (name.ends_with(".vti")) reader = readVti;
     for (const char* ending : {".mrc", ".map", ".ccp4", ".rec"})
         if (name.ends_with(ending)) reader = readMrc;
     if (isDicomFile(path) || isFolder(path)) reader = readDicom;

@@ -70,6 +70,9 @@ struct RawLayout {
 /// The samples of `path`, decompressed where its name ends in ".gz".
 std::vector<float> readRaw(const std::string& path, const RawLayout& layout);
 
+/// The samples of `bytes`, which are as many as the layout says, without a header.
+std::vector<float> samplesIn(const std::string& bytes, const RawLayout& layout);
+
 /// Refuses the name of a second file that is not in the folder of `path` or below it: an untrusted header must not
 /// choose any file of the disk.
 void checkWithin(const std::string& name, const std::string& path);
@@ -82,6 +85,7 @@ Scan readNifti(const std::string& path, std::int64_t component);
 Scan readMetaImage(const std::string& path);
 Scan readNumpy(const std::string& path);
 Scan readMrc(const std::string& path);
+Scan readVti(const std::string& path);
 
 /// Refuses `component` where the file holds `count` volumes and it is not one of theirs, or not given.
 void checkComponent(std::int64_t component, std::int64_t count, const std::string& path);

@@ -10,6 +10,7 @@
 #include <scrim/guard/load_protocol.h>
 #include <scrim/guard/transfer_file.h>
 #include <scrim/volume/ax_module.h>
+#include <scrim/volume/grid_choice.h>
 #include <scrim/volume/loaded_source.h>
 #include <scrim/guard/mesh_transfer.h>
 #include <scrim/guard/picture_transfer.h>
@@ -149,6 +150,16 @@ LoadRequest requestOf(const std::string& what, const std::string& name, const st
     return request;
 }
 
+/// True for a file of points, which may become more voxels than its size suggests.
+bool holdsPoints(const VdbBytes& file) {
+    try {
+        const std::vector<GridOffer> offers = offersOf(checkVdbLayout(file));
+        return std::any_of(offers.begin(), offers.end(), [](const GridOffer& offer) { return offer.isPoints(); });
+    } catch (const Error&) {
+        return false;  // the child reports what is wrong with it
+    }
+}
+
 /// Starts a child that reads `what` of a file, and of the others that `edit` names. They are opened here, because
 /// children cannot open files.
 LoadJob begin(const std::string& what, const std::string& path, const std::vector<GridRequest>& requests,
@@ -161,9 +172,10 @@ LoadJob begin(const std::string& what, const std::string& path, const std::vecto
         bytes += file->size();
         descriptors.push_back(file->descriptor());
     }
+    const bool made = edit != nullptr || holdsPoints(*files.front());
     return LoadJob(options.loader, LoadedFiles::volumes, workOn(path, edit),
                    {transfer, descriptors.front(), -1, std::span(descriptors).subspan(1)},
-                   limitsFor(edit == nullptr ? kVolume : kEdited, bytes, options), options.showStderr);
+                   limitsFor(made ? kEdited : kVolume, bytes, options), options.showStderr);
 }
 
 /// Runs `receive` and puts the path in front of its error about an incomplete transfer.

@@ -47,8 +47,9 @@ std::vector<SparseField> loadFields(const std::string& path, const std::vector<G
     std::vector<SparseField> fields;
     readWithErrors(path, [&] {
         BlockMemory memory;
-        fields = edit == nullptr ? readFields(VdbBytes(path), requests, messages, memory)
-                                 : readFields(openFiles(path, edit->files), requests, *editorHere(*edit), messages);
+        fields = edit == nullptr || !edit->editsGrids()
+                     ? readFields(VdbBytes(path), requests, messages, memory, edit ? edit->points : PointLook())
+                     : readFields(openFiles(path, edit->files), requests, *editorHere(*edit), messages);
     });
     return fields;
 }

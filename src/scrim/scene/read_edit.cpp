@@ -136,6 +136,16 @@ CombinedGrid readGrid(const TomlValue& value, const ReadContext& context, std::v
     return grid;
 }
 
+PointLook readPoints(TomlTable table, const ReadContext& context) {
+    const PointsKeys& p = keysOf<PointsKeys>();
+    PointLook look;
+    table.read(p, context.frame, look);
+    if (const auto radius = table.find(p.radius)) look.radius = radius->number();
+    if (const auto voxel = table.find(p.voxel)) look.voxel = voxel->number();
+    table.finish();
+    return look;
+}
+
 }  // namespace
 
 std::vector<CombinedGrid> readGrids(const TomlValue& value, const ReadContext& context,
@@ -193,7 +203,9 @@ std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& co
         edit.variables = readVariables(table, context, *code, volume);
         edit.programs.push_back(std::move(*code));
     }
-    if (edit.grids.empty() && !edit.clip && edit.resample == 1 && edit.programs.empty()) return nullptr;
+    if (const auto points = table.find(k.points))
+        edit.points = readPoints(points->table(fmt::format("{} of {}", k.points, table.description())), context);
+    if (!edit.editsGrids() && edit.points == PointLook()) return nullptr;
     edit.density = volume.densityGrid;
     return std::make_shared<const GridEdit>(std::move(edit));
 }

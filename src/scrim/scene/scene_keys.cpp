@@ -52,14 +52,15 @@ OutputKeys::OutputKeys()
 
 const std::vector<const Section*>& sceneSections() {
     static const std::vector<const Section*> all{
-        &keysOf<SceneKeys>(),    &keysOf<CameraKeys>(),     &keysOf<OrbitKeys>(),      &keysOf<VolumeKeys>(),
-        &keysOf<FrameKeys>(),    &keysOf<CombineKeys>(),    &keysOf<TransformKeys>(),  &keysOf<DensityKeys>(),
-        &keysOf<RemapKeys>(),    &keysOf<MaskKeys>(),       &keysOf<NoiseKeys>(),      &keysOf<VelocityKeys>(),
-        &keysOf<MediumKeys>(),   &keysOf<AlbedoGridKeys>(), &keysOf<PhaseKeys>(),      &keysOf<OctavesKeys>(),
-        &keysOf<EmissionKeys>(), &keysOf<BlackbodyKeys>(),  &keysOf<ClassifiedKeys>(), &keysOf<TransferKeys>(),
-        &keysOf<MeshKeys>(),     &keysOf<LightKeys>(),      &keysOf<SlideKeys>(),      &keysOf<TextureKeys>(),
-        &keysOf<AmbientKeys>(),  &keysOf<RenderKeys>(),     &keysOf<OutputKeys>(),     &keysOf<FileKeys>(),
-        &keysOf<PreviewKeys>(),  &keysOf<HoldoutKeys>(),    &keysOf<KeyedKeys>(),      &keysOf<ColourKeys>()};
+        &keysOf<SceneKeys>(),    &keysOf<CameraKeys>(),   &keysOf<OrbitKeys>(),      &keysOf<VolumeKeys>(),
+        &keysOf<FrameKeys>(),    &keysOf<CombineKeys>(),  &keysOf<TransformKeys>(),  &keysOf<DensityKeys>(),
+        &keysOf<RemapKeys>(),    &keysOf<MaskKeys>(),     &keysOf<NoiseKeys>(),      &keysOf<VelocityKeys>(),
+        &keysOf<PointsKeys>(),   &keysOf<MediumKeys>(),   &keysOf<AlbedoGridKeys>(), &keysOf<PhaseKeys>(),
+        &keysOf<OctavesKeys>(),  &keysOf<EmissionKeys>(), &keysOf<BlackbodyKeys>(),  &keysOf<ClassifiedKeys>(),
+        &keysOf<TransferKeys>(), &keysOf<MeshKeys>(),     &keysOf<LightKeys>(),      &keysOf<SlideKeys>(),
+        &keysOf<TextureKeys>(),  &keysOf<AmbientKeys>(),  &keysOf<RenderKeys>(),     &keysOf<OutputKeys>(),
+        &keysOf<FileKeys>(),     &keysOf<PreviewKeys>(),  &keysOf<HoldoutKeys>(),    &keysOf<KeyedKeys>(),
+        &keysOf<ColourKeys>()};
     return all;
 }
 

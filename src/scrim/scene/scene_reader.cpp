@@ -158,6 +158,24 @@ bool movesBetween(const toml::node& node, double begin, double end) {
     });
 }
 
+/// Lets the points of volumes with a velocity be known wherever they pass while the shutter is open, or between two
+/// files.
+void sweepPoints(Scene& scene) {
+    for (SceneVolume& volume : scene.volumes) {
+        if (!volume.velocity || volume.file.empty()) continue;
+        const double path = volume.pathPerFrame(scene.output.fps), step = volume.velocity->perFrame(scene.output.fps);
+        const bool carried = volume.frameMap.between == BetweenFiles::advect;
+        std::vector<double> times{0};
+        if (scene.shutter) times.insert(times.end(), {scene.shutter->open * path, scene.shutter->close * path});
+        if (carried) times.insert(times.end(), {-step, step});
+        GridEdit edit = volume.edit ? *volume.edit : GridEdit();
+        edit.points.open = *std::min_element(times.begin(), times.end());
+        edit.points.close = *std::max_element(times.begin(), times.end());
+        edit.density = volume.densityGrid;
+        if (edit.points.open < edit.points.close) volume.edit = std::make_shared<const GridEdit>(std::move(edit));
+    }
+}
+
 /// Adds the shadow layer where a solid catches shadows, since the shadows are shown in that layer.
 void addShadowLayer(Scene& scene) {
     const std::vector<Layer> layers = scene.output.allLayers();
@@ -234,6 +252,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     scene.output = output ? readOutput(*output, context) : defaultOutput(context);
     root.finish();
     addShadowLayer(scene);
+    sweepPoints(scene);
     scene.warnings = *context.warnings;
     scene.lines = std::make_shared<const SceneLines>(linesOf(tree));
     if (const auto& shutter = scene.shutter)

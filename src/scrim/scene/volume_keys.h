@@ -2,6 +2,7 @@
 // The part of the table of keys (scene_keys.h) that is about volumes.
 #pragma once
 
+#include <scrim/scene/points_keys.h>
 #include <scrim/scene/scene.h>
 #include <scrim/scene/scene_key.h>
 #include <scrim/scene/shading_keys.h>
@@ -350,7 +351,7 @@ struct VolumeKeys : SectionOf<SceneVolume> {
         : SectionOf("volume", "[[volume]]",
                     "A volume, of which a scene needs at least one: a .vdb file or sequence, or a source that makes or "
                     "reads something else (`scrim make --list`).") {
-        exclude({&source}, {&file, &grids, &frame, &velocity});
+        exclude({&source}, {&file, &grids, &frame, &velocity, &points});
         exclude({&file}, {&grids});
         exclude({&ax}, {&axFile});
         exclude({&medium}, {&classified});
@@ -405,6 +406,8 @@ struct VolumeKeys : SectionOf<SceneVolume> {
     const Key& velocity =
         table(keysOf<VelocityKeys>(), "velocity", "The motion of the volume while the shutter is open.")
             .onlyFor("'file' or 'grids'");
+    const Key& points =
+        table(keysOf<PointsKeys>(), "points", "How the file's points become a density.").onlyFor("'file' or 'grids'");
     const Key& lights =
         other("lights", "a list of names of lights", kStrings, {},
               "The lights that light it. It casts shadows in all lights, unless 'shadows' says otherwise.")

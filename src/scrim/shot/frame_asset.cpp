@@ -7,6 +7,7 @@
 #include <scrim/scene/framing.h>
 #include <scrim/shot/framed_scan.h>
 #include <scrim/volume/grid_choice.h>
+#include <scrim/volume/point_file.h>
 #include <scrim/shot/scan_info.h>
 #include <scrim/volume/vdb_bytes.h>
 #include <scrim/volume/vdb_layout.h>
@@ -260,7 +261,7 @@ std::string framedScan(FieldStore& store, const std::string& path, const std::st
 
 bool isAssetFile(const std::string& path) {
     const std::string name = lowerCase(path);
-    return name.ends_with(".vdb") || name.ends_with(".nvdb") || isScanFile(path);
+    return name.ends_with(".vdb") || name.ends_with(".nvdb") || isPointFile(path) || isScanFile(path);
 }
 
 std::string volumeNameOf(const std::string& pattern) {

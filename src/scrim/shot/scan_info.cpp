@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/letter_case.h>
+#include <scrim/volume/point_file.h>
 #include <scrim/guard/load_fields.h>
 
 #include <algorithm>
@@ -84,9 +85,10 @@ std::uint64_t bytesOf(const std::string& path) {
 
 bool isScanFile(const std::string& path) {
     const std::string name = lowerCase(path);
-    constexpr std::array kEndings{".nrrd", ".nhdr", ".nii", ".nii.gz", ".hdr", ".mha",
-                                  ".mhd",  ".npy",  ".mrc", ".ccp4",   ".dcm", ".dicom"};
+    constexpr std::array kEndings{".nrrd", ".nhdr", ".nii", ".nii.gz", ".hdr", ".mha",  ".mhd",
+                                  ".npy",  ".mrc",  ".vti", ".ccp4",   ".dcm", ".dicom"};
     std::error_code ignored;
+    if (isPointFile(path)) return false;
     return std::any_of(kEndings.begin(), kEndings.end(), [&](const char* ending) { return name.ends_with(ending); }) ||
            (!name.ends_with(".vdb") && !name.ends_with(".nvdb") && std::filesystem::is_directory(path, ignored));
 }

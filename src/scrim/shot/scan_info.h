@@ -28,8 +28,8 @@ struct ScanInfo {
     double valueOf(std::size_t bin) const { return minValue + double(bin) * binWidth; }
 };
 
-/// True for names that end in .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .ccp4, .dcm or .dicom, and for
-/// folders, which may hold a series, unless they are named like another file (.vdb, .nvdb).
+/// True for names that end in .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .ccp4, .dcm or .dicom,
+/// and for folders, which may hold a series, unless they are named like another file (.vdb, .nvdb).
 bool isScanFile(const std::string& path);
 
 /// Reads the whole file. Throws Error as `sourceFields` (load_fields.h).

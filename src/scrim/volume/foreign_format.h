@@ -11,7 +11,7 @@
 namespace scrim {
 
 struct ForeignFormat {
-    std::string_view ending;  ///< ".vti", in lower case
+    std::string_view ending;  ///< ".mnc", in lower case
     std::string_view what;    ///< "VTK ImageData"
     std::string_view advice;
 };
@@ -21,8 +21,7 @@ inline const ForeignFormat* foreignFormat(std::string_view path) {
     constexpr std::string_view kToNrrd = "convert it to NRRD or NIfTI (3D Slicer, ITK and ParaView do)";
     constexpr std::string_view kToVdb = "convert it to .vdb";
     constexpr std::string_view kSlices = "put its slices together as NRRD or NIfTI (3D Slicer and Fiji do)";
-    static constexpr std::array<ForeignFormat, 10> kFormats{{
-        {".vti", "VTK ImageData", kToNrrd},
+    static constexpr std::array<ForeignFormat, 9> kFormats{{
         {".vtk", "a legacy VTK file", kToNrrd},
         {".vtu", "a VTK unstructured grid", kToVdb},
         {".mgz", "a FreeSurfer volume", "convert it to NIfTI (mri_convert does)"},
@@ -41,7 +40,7 @@ inline const ForeignFormat* foreignFormat(std::string_view path) {
     return nullptr;
 }
 
-/// "is VTK ImageData (.vti), which is not read; convert it to ..."
+/// "is MINC (.mnc), which is not read; convert it to ..."
 inline std::string textOf(const ForeignFormat& format) {
     return "is " + std::string(format.what) + " (" + std::string(format.ending) + "), which is not read; " +
            std::string(format.advice);

@@ -70,7 +70,10 @@ std::optional<std::size_t> defaultGrid(const std::vector<GridOffer>& offers) {
     if (const auto i = first([](const GridOffer& g) { return g.isReal() && g.gridClass == "fog volume"; })) return i;
     if (const auto i = first([](const GridOffer& g) { return g.isReal() && g.gridClass != "level set"; })) return i;
     if (const auto i = first([](const GridOffer& g) { return g.isReal(); })) return i;
-    return first(anyGrid);
+    if (const auto i = first(anyGrid)) return i;
+    for (std::size_t i = 0; i < offers.size(); ++i)
+        if (offers[i].isPoints()) return i;
+    return {};
 }
 
 /// The component that a name such as "Cd.r" means, where no grid has that name.
@@ -111,6 +114,10 @@ bool GridOffer::isVector() const {
     return type == "Tree_vec3s_5_4_3" || type == "Tree_vec3d_5_4_3";
 }
 
+bool GridOffer::isPoints() const {
+    return type == kPoints;
+}
+
 std::string GridOffer::valueType() const {
     // The word stands between "Tree_" and the logarithms of the node sizes.
     constexpr std::string_view kPrefix = "Tree_";
@@ -132,7 +139,8 @@ std::optional<GridChoice> chooseGrid(const std::vector<GridOffer>& offers, const
     if (request.component != GridRequest::kScalar) return chooseColour(offers, request);
     const auto i = request.grid.empty() ? defaultGrid(offers) : named(offers, request.grid, anyGrid);
     if (!i) return componentNamed(offers, request.grid);
-    if (!offers[*i].isScalar()) return {};
+    const bool isDensity = offers[*i].isPoints() && request.part == GridPart::whole;
+    if (!offers[*i].isScalar() && !isDensity) return {};
     return GridChoice{*i};
 }
 
@@ -197,7 +205,7 @@ std::string listOf(const std::vector<GridOffer>& offers) {
 std::vector<std::string> scalarNames(const std::vector<GridOffer>& offers) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < offers.size(); ++i)
-        if (offers[i].isScalar()) names.push_back(callName(offers, i));
+        if (offers[i].isScalar() || offers[i].isPoints()) names.push_back(callName(offers, i));
     return names;
 }
 

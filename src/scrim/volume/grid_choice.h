@@ -20,10 +20,12 @@ struct GridOffer {
     std::string gridClass{};    ///< "fog volume", "level set", "staggered", or anything else
 
     static constexpr const char* kFloat = "Tree_float_5_4_3";
+    static constexpr const char* kPoints = "Tree_ptdataidx32_5_4_3";
 
     bool isReal() const;            ///< float (also if saved as half) or double
     bool isScalar() const;          ///< real, int32, int64, bool or mask (a mask is 1 in its voxels)
     bool isVector() const;          ///< vectors of three real numbers
+    bool isPoints() const;          ///< points, which become a density
     std::string valueType() const;  ///< OpenVDB's word for the values: "float", "vec3s", "int32", ...
 };
 
@@ -41,7 +43,7 @@ struct GridChoice {
 /// For a scalar, `grid` is the name, or "name[i]" for the i-th grid (from 0) of that name. "NAME.x" to "NAME.z" and
 /// "NAME.r" to "NAME.b" stand for the components of a vec3 grid NAME where no grid has the whole name. "" stands for
 /// the grid called "density", else the first fog volume, else the first grid that is not a level set, else the first
-/// grid; real grids come before others. For a colour see GridRequest; it accepts "name[i]", too.
+/// grid; real grids come before others, and points last. For a colour see GridRequest; it accepts "name[i]", too.
 std::optional<GridChoice> chooseGrid(const std::vector<GridOffer>& offers, const GridRequest& request);
 
 /// The grid of any type called `name`, or "name[i]"; no value if there is none.

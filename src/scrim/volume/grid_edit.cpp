@@ -81,6 +81,9 @@ std::string toText(const GridEdit& edit) {
         variables.push_back({{"name", variable.name}, {"value", variable.value}});
     Json out{{"grids", grids},       {"files", edit.files},    {"resample", edit.resample}, {"density", edit.density},
              {"programs", programs}, {"variables", variables}, {"where", edit.where}};
+    const PointLook& look = edit.points;
+    if (look != PointLook())
+        out["points"] = {look.radius, look.scale, look.voxel, look.discs ? 1.0 : 0.0, look.open, look.close};
     if (edit.clip) out["clip"] = {toJson(edit.clip->lower), toJson(edit.clip->upper)};
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -92,6 +95,10 @@ GridEdit gridEditFrom(const std::string& text) {
         edit.files = j.at("files").get<std::vector<std::string>>();
         for (const Json& grid : j.at("grids")) edit.grids.push_back(combinedGridFrom(grid, edit.files.size()));
         if (j.contains("clip")) edit.clip = Bounds{vectorFrom(j.at("clip").at(0)), vectorFrom(j.at("clip").at(1))};
+        if (j.contains("points")) {
+            const auto at = [&](std::size_t i) { return j.at("points").at(i).get<double>(); };
+            edit.points = {at(0), at(1), at(2), at(3) != 0, at(4), at(5)};
+        }
         edit.resample = j.at("resample").get<double>();
         edit.density = j.at("density").get<std::string>();
         edit.where = j.at("where").get<std::string>();

@@ -6,6 +6,7 @@
 
 #include <scrim/geometry/bounds.h>
 #include <scrim/geometry/spaces.h>
+#include <scrim/volume/point_cloud.h>
 
 #include <optional>
 #include <string>
@@ -75,7 +76,10 @@ struct GridEdit {
     std::vector<AxCode> programs;
     std::vector<AxVariable> variables;  ///< for all programs
     std::string where;                  ///< where the scene gives the first of all that
+    PointLook points = {};              ///< how points become grids, before all that
 
+    /// True if anything is done to grids after they were read.
+    bool editsGrids() const { return !grids.empty() || clip || resample != 1 || !programs.empty(); }
     bool operator==(const GridEdit&) const = default;
 };
 

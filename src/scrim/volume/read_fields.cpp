@@ -25,8 +25,8 @@ std::vector<SparseField> fieldsOf(VdbFile file, const std::vector<GridRequest>& 
 }  // namespace
 
 std::vector<SparseField> readFields(const VdbBytes& bytes, const std::vector<GridRequest>& requests,
-                                    const MessageSink& messages, BlockMemory& memory) {
-    return fieldsOf(VdbFile::open(bytes, requests, memory), requests, messages);
+                                    const MessageSink& messages, BlockMemory& memory, const PointLook& look) {
+    return fieldsOf(VdbFile::open(bytes, requests, memory, look), requests, messages);
 }
 
 std::vector<SparseField> readFields(const VdbFiles& files, const std::vector<GridRequest>& requests,

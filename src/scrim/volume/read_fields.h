@@ -5,6 +5,7 @@
 #include <scrim/base/messages.h>
 #include <scrim/volume/block_memory.h>
 #include <scrim/volume/grid_request.h>
+#include <scrim/volume/point_cloud.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_bytes.h>
 
@@ -19,7 +20,7 @@ class GridEditor;
 /// The fields that `requests` mean, in their order. Each message is sent once, although a grey grid is read once for
 /// each component. Values lie in `memory`.
 std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
-                                    const MessageSink& messages, BlockMemory& memory);
+                                    const MessageSink& messages, BlockMemory& memory, const PointLook& look = {});
 /// The same of grids that were edited, or put together from several files.
 std::vector<SparseField> readFields(const VdbFiles& files, const std::vector<GridRequest>& requests,
                                     const GridEditor& editor, const MessageSink& messages);

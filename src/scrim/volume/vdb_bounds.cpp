@@ -88,7 +88,7 @@ std::optional<Bounds> vdbBounds(const VdbBytes& file, const std::vector<GridRequ
         Bounds all;
         for (const GridRequest& request : requests) {
             const auto choice = chooseGrid(offers, request);
-            if (!choice) return {};
+            if (!choice || offers[choice->grid].isPoints()) return {};  // points are larger than their voxels say
             const auto bounds = boundsOf(file, layout.grids[choice->grid]);
             if (!bounds) return {};
             all.include(*bounds);

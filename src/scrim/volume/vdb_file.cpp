@@ -14,15 +14,16 @@ VdbFile VdbFile::open(const std::string& path, const std::vector<GridRequest>& r
 }
 
 VdbFile VdbFile::open(const VdbBytes& bytes) {
-    return VdbFile(vdbModule().read(bytes, nullptr, nullptr));
+    return VdbFile(vdbModule().read(bytes, nullptr, nullptr, {}));
 }
 
 VdbFile VdbFile::open(const VdbBytes& bytes, const std::vector<GridRequest>& requests) {
-    return VdbFile(vdbModule().read(bytes, &requests, nullptr));
+    return VdbFile(vdbModule().read(bytes, &requests, nullptr, {}));
 }
 
-VdbFile VdbFile::open(const VdbBytes& bytes, const std::vector<GridRequest>& requests, BlockMemory& memory) {
-    return VdbFile(vdbModule().read(bytes, &requests, &memory));
+VdbFile VdbFile::open(const VdbBytes& bytes, const std::vector<GridRequest>& requests, BlockMemory& memory,
+                      const PointLook& look) {
+    return VdbFile(vdbModule().read(bytes, &requests, &memory, look));
 }
 
 VdbFile VdbFile::open(const VdbFiles& files, const std::vector<GridRequest>& requests, const GridEditor& editor,

@@ -10,6 +10,7 @@
 #include <scrim/base/messages.h>
 #include <scrim/volume/block_memory.h>
 #include <scrim/volume/grid_request.h>
+#include <scrim/volume/point_cloud.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_info.h>
 
@@ -36,7 +37,8 @@ class VdbFile {
     static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests);
     /// The same for fields alone, whose values lie in `memory`, which must outlive this object. They are read straight
     /// into it where that is possible, on all threads, and info() then knows nothing of the grid.
-    static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests, BlockMemory& memory);
+    static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests, BlockMemory& memory,
+                        const PointLook& look = {});
     /// The same with the grids edited, or put together from several files, before they can be requested; messages are
     /// about that.
     static VdbFile open(const VdbFiles& files, const std::vector<GridRequest>& requests, const GridEditor& editor,

@@ -31,6 +31,11 @@ struct GridInfo {
     std::uint64_t negative = 0;   ///< active voxels, including those of tiles, below 0
     bool usable = false;          ///< a field can be made from it: GridOffer::isScalar
     std::string problem;          ///< why it could not be read although the file is sound; all else is then 0
+    /// Of a grid of points: their number, their attributes as "pscale (float), v (vec3s)", and a box around their
+    /// places. `minValue` and `maxValue` are those of their radii; 0 where they have none.
+    std::uint64_t points = 0;
+    std::string attributes;
+    Vec3 wsLower{0}, wsUpper{0};
     bool colour = false;  ///< one field for each component can be made from it, since it is a vec3 grid of such numbers
 };
 
@@ -39,7 +44,8 @@ struct VdbFileInfo {
     std::uint32_t fileVersion = 0;   ///< version of the file format, 222 to 225 these days
     std::uint32_t libraryMajor = 0;  ///< version of the OpenVDB that wrote it
     std::uint32_t libraryMinor = 0;
-    bool isNano = false;  ///< a NanoVDB file, and the versions are NanoVDB's
+    bool isNano = false;      ///< a NanoVDB file, and the versions are NanoVDB's
+    std::string pointFormat;  ///< "PLY" or "NumPy": a file of points, without versions
     std::uint64_t fileBytes = 0;
     std::vector<std::pair<std::string, std::string>> metadata;  ///< of the file ("creator", ...), clipped
     std::vector<GridInfo> grids;                                ///< in the file's order

@@ -58,6 +58,10 @@ json grid(const GridInfo& g) {
             {"negative", g.negative},
             {"usable", g.usable},
             {"problem", g.problem},
+            {"points", g.points},
+            {"attributes", g.attributes},
+            {"world_lower", vector(g.wsLower)},
+            {"world_upper", vector(g.wsUpper)},
             {"colour", g.colour}};
 }
 
@@ -81,6 +85,10 @@ GridInfo gridFrom(const json& j) {
     j.at("negative").get_to(g.negative);
     j.at("usable").get_to(g.usable);
     j.at("problem").get_to(g.problem);
+    j.at("points").get_to(g.points);
+    j.at("attributes").get_to(g.attributes);
+    g.wsLower = vectorFrom<Vec3>(j.at("world_lower"));
+    g.wsUpper = vectorFrom<Vec3>(j.at("world_upper"));
     j.at("colour").get_to(g.colour);
     return g;
 }
@@ -96,6 +104,7 @@ std::string toJson(const VdbFileInfo& info) {
                       {"file_version", info.fileVersion},
                       {"library_version", {info.libraryMajor, info.libraryMinor}},
                       {"nanovdb", info.isNano},
+                      {"point_format", info.pointFormat},
                       {"file_bytes", info.fileBytes},
                       {"metadata", metadata},
                       {"grids", grids}};
@@ -110,6 +119,7 @@ VdbFileInfo vdbFileInfoFromJson(const std::string& text) {
         all.at("file_version").get_to(info.fileVersion);
         all.at("library_version").at(0).get_to(info.libraryMajor);
         all.at("nanovdb").get_to(info.isNano);
+        all.at("point_format").get_to(info.pointFormat);
         all.at("library_version").at(1).get_to(info.libraryMinor);
         all.at("file_bytes").get_to(info.fileBytes);
         for (const json& entry : all.at("metadata"))

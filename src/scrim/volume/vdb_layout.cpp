@@ -2,12 +2,15 @@
 #include <scrim/volume/vdb_layout.h>
 
 #include <scrim/base/error.h>
+#include <scrim/volume/grid_choice.h>
 #include <scrim/volume/nano_layout.h>
+#include <scrim/volume/point_file.h>
 
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -117,10 +120,23 @@ VdbLayout walkGrids(VdbWalker& walk, const VdbBytes& bytes, VdbLayout layout) {
     return layout;
 }
 
+VdbLayout layoutOfPoints(const VdbBytes& bytes, std::string format) {
+    VdbLayout layout;
+    layout.points = std::move(format);
+    layout.hasOffsets = true;
+    VdbLayout::Grid& grid = layout.grids.emplace_back();
+    grid.name = "points";
+    grid.type = GridOffer::kPoints;
+    grid.codec = "none";
+    grid.end = bytes.size();
+    return layout;
+}
+
 }  // namespace
 
 VdbLayout checkVdbLayout(const VdbBytes& bytes) {
     if (isNanoVdb(bytes)) return checkNanoLayout(bytes);
+    if (std::string format = pointFormat(bytes); !format.empty()) return layoutOfPoints(bytes, std::move(format));
     checkMagic(bytes);
     VdbWalker walk(bytes, sizeof kMagic);
     VdbLayout layout;

@@ -47,13 +47,15 @@ struct VdbLayout {
     bool isNewer = false;     ///< the version is newer than all that are known here; what follows may be missing
     bool hasOffsets = false;  ///< the file was written to disk, not to a pipe
     bool isNano = false;      ///< a NanoVDB file (nano_layout.h), whose versions are NanoVDB's
+    std::string points{};     ///< "PLY" or "NumPy": a file of points (point_file.h), which has no versions
     /// Position of the number of grids (int32), which ends the header; only with offsets.
     std::uint64_t gridsBegin = 0;
     /// Empty where the file does not say where grids begin (no offsets, or before version 222).
     std::vector<Grid> grids;
 };
 
-/// Of an OpenVDB or a NanoVDB file. Throws Error(input) "path: not a VDB file (...)" or "path: truncated or damaged:
+/// Of an OpenVDB or a NanoVDB file, or of points. Throws Error(input) "path: not a VDB file (...)" or "path: truncated
+/// or damaged:
 /// ...".
 VdbLayout checkVdbLayout(const VdbBytes& bytes);
 VdbLayout checkVdbLayout(const std::string& path, std::span<const char> bytes);

@@ -7,6 +7,7 @@
 
 #include <scrim/volume/ax_module.h>
 #include <scrim/volume/block_memory.h>
+#include <scrim/volume/point_cloud.h>
 #include <scrim/volume/vdb_bytes.h>
 #include <scrim/volume/vdb_file.h>
 #include <scrim/volume/vdb_write.h>
@@ -32,7 +33,7 @@ struct VdbFile::Content {
 /// fields from grids),
 /// VdbFile::of, writeVdb and writeVdbGrids.
 std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
-                                                 BlockMemory* memory);
+                                                 BlockMemory* memory, const PointLook& look);
 std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbFiles& files, const std::vector<GridRequest>* requests,
                                                        const GridEditor& editor, const MessageSink& messages);
 std::unique_ptr<VdbFile::Content> editedContent(const std::vector<SparseField>& fields, const std::string& name,
@@ -53,7 +54,7 @@ struct VdbModule {
 };
 
 /// The single function that the module exports. The name must change whenever anything above changes.
-#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_6"
+#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_7"
 using VdbModuleFunction = const VdbModule* (*)();
 
 /// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where it cannot be

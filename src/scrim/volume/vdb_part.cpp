@@ -29,10 +29,21 @@ std::optional<std::vector<std::size_t>> neededGrids(const VdbLayout& layout, con
     if (!layout.hasOffsets) return {};
     const std::vector<GridOffer> offers = offersOf(layout);
     std::set<std::size_t> needed;
+    // What no grid is called may be an attribute of points.
+    const auto insertPoints = [&] {
+        for (std::size_t i = 0; i < offers.size(); ++i)
+            if (offers[i].isPoints()) needed.insert(i);
+    };
     for (const GridRequest& request : requests)
-        if (const auto choice = chooseGrid(offers, request)) needed.insert(choice->grid);
+        if (const auto choice = chooseGrid(offers, request))
+            needed.insert(choice->grid);
+        else
+            insertPoints();
     for (const std::string& name : others)
-        if (const auto i = chooseNamed(offers, name)) needed.insert(*i);
+        if (const auto i = chooseNamed(offers, name))
+            needed.insert(*i);
+        else
+            insertPoints();
     for (const std::size_t i : needed)
         if (layout.grids[i].instance) return {};
     return std::vector<std::size_t>(needed.begin(), needed.end());

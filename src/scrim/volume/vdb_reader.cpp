@@ -8,6 +8,9 @@
 #include <scrim/volume/grid_editor.h>
 #include <scrim/volume/nano_grid.h>
 #include <scrim/volume/openvdb_field.h>
+#include <scrim/volume/point_file.h>
+#include <scrim/volume/point_grid.h>
+#include <scrim/volume/point_set.h>
 #include <scrim/volume/vdb_layout.h>
 #include <scrim/volume/vdb_part.h>
 
@@ -39,11 +42,16 @@ struct ParsedVdb : VdbFile::Content {
     std::vector<std::string> problems;
     std::map<GridRequest, SparseField> direct;  ///< fields that were read without a grid
     BlockMemory* memory = nullptr;              ///< for the values of fields; null: memory of this process
+    PointLook look;                             ///< of points
+    PointSet::Notes notes;                      ///< about points
+    std::string attributes;                     ///< "; points 'spray' have v (vec3s), ...", for errors
+    std::optional<PointCloud> unused;           ///< of a file of points, where it is to be described
     /// Where grids are put together: the names of all that there may be, and "; a.vdb holds 'smoke' (float)".
     std::vector<std::string> combined;
     std::string sources;
 
     VdbFileInfo info() const override;
+    GridInfo infoOfPoints(const openvdb::GridBase* grid) const;
     std::vector<std::string> usableGrids() const override;
     SparseField field(const GridRequest& request, const MessageSink& messages) const override;
     SparseField lastField(const GridRequest& request, const MessageSink& messages) override;
@@ -145,23 +153,75 @@ void readSingly(const VdbBytes& file, ParsedVdb& content) {
         }
 }
 
-/// The same of a NanoVDB file.
-std::unique_ptr<ParsedVdb> readNano(const VdbBytes& file, std::unique_ptr<ParsedVdb> content,
-                                    const std::optional<std::vector<std::size_t>>& places) {
-    openvdb::initialize();
-    const std::vector<VdbLayout::Grid>& all = content->layout.grids;
-    content->grids.resize(all.size());
-    if (places) {
-        for (const std::size_t i : *places) content->grids[i] = readNanoGrid(file, all[i]);
-        return content;
+/// All that `requests` and `others` may mean.
+std::set<GridRequest> wantedOf(const std::vector<GridRequest>* requests, const std::vector<std::string>& others) {
+    std::set<GridRequest> wanted;
+    if (requests) wanted.insert(requests->begin(), requests->end());
+    for (const std::string& name : others)
+        for (const int component : {GridRequest::kScalar, 0}) wanted.insert({name, component});
+    return wanted;
+}
+
+/// Lists the attributes of points for errors.
+void addAttributes(ParsedVdb& content, const std::string& points, const std::string& attributes) {
+    content.attributes +=
+        fmt::format("; points '{}' have {}", shortened(points, 80), attributes.empty() ? "no attributes" : attributes);
+}
+
+/// The points of a grid. Errors get the path.
+PointCloud pointsIn(const ParsedVdb& content, const openvdb::GridBase& grid, const std::set<GridRequest>& wanted) {
+    try {
+        return pointsOf(grid, [&](const std::string& name) { return mayMean(wanted, name); });
+    } catch (const Error& error) {
+        fail(content.path, error.what());
     }
-    content->problems.resize(all.size());
+}
+
+/// Makes fields, or grids where no memory for fields is given, of the points that `wanted` means.
+void usePoints(const VdbBytes& file, ParsedVdb& content, const std::set<GridRequest>& wanted) {
+    PointSet points;
+    if (!content.layout.points.empty()) {
+        PointCloud cloud = readPointFile(file);
+        addAttributes(content, cloud.name, attributesOf(cloud));
+        points.add(0, std::move(cloud), content.look, content.path, content.notes);
+    }
+    for (std::size_t i = 0; i < content.grids.size(); ++i) {
+        if (!content.grids[i] || !isPointGrid(*content.grids[i])) continue;
+        const openvdb::GridBase::Ptr grid = std::move(content.grids[i]);
+        addAttributes(content, grid->getName(), attributesOf(*grid));
+        points.add(i, pointsIn(content, *grid, wanted), content.look, content.path, content.notes);
+    }
+    if (points.empty()) return;
+    if (content.memory != nullptr) {
+        content.direct.merge(points.fields(content.offers, wanted, *content.memory));
+        return;
+    }
+    for (PointSet::Made& made : points.grids(content.offers, wanted)) {
+        const std::size_t place = made.place.value_or(content.grids.size());
+        if (!made.place) {
+            content.grids.emplace_back();
+            content.offers.emplace_back();
+        }
+        content.grids[place] = std::move(made.grid);
+        content.offers[place] = offerOf(*content.grids[place]);
+    }
+}
+
+/// The same of a NanoVDB file.
+void readNano(const VdbBytes& file, ParsedVdb& content, const std::optional<std::vector<std::size_t>>& places) {
+    openvdb::initialize();
+    const std::vector<VdbLayout::Grid>& all = content.layout.grids;
+    content.grids.resize(all.size());
+    if (places) {
+        for (const std::size_t i : *places) content.grids[i] = readNanoGrid(file, all[i]);
+        return;
+    }
+    content.problems.resize(all.size());
     for (std::size_t i = 0; i < all.size(); ++i)
-        if (content->offers[i].isScalar() || content->offers[i].isVector())
-            content->grids[i] = readNanoGrid(file, all[i]);
+        if (content.offers[i].isScalar() || content.offers[i].isVector())
+            content.grids[i] = readNanoGrid(file, all[i]);
         else
-            content->problems[i] = fmt::format("it has the type '{}', which is not read", all[i].type);
-    return content;
+            content.problems[i] = fmt::format("it has the type '{}', which is not read", all[i].type);
 }
 
 /// Reads fields of `places` without their grids where that is possible, and removes those from `places`.
@@ -189,59 +249,86 @@ void readDirectly(const VdbBytes& file, ParsedVdb& content, const std::vector<Gr
     }
 }
 
-/// Opens the file for `requests` and the grids called `others`, or for all grids. `memory` (null: fields are
-/// made of grids, in this process) must outlive the result.
-std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequest>* requests,
-                                const std::vector<std::string>& others = {}, BlockMemory* memory = nullptr) {
+/// Reads the grids that the content of a file needs for `requests` and the grids called `others`, or all grids.
+void readGrids(const VdbBytes& file, ParsedVdb& content, const std::vector<GridRequest>* requests,
+               const std::vector<std::string>& others) {
     const std::string& path = file.path();
-    auto content = std::make_unique<ParsedVdb>();
-    content->path = path;
-    content->bytes = file.size();
-    content->layout = checkVdbLayout(file);
-    content->offers = offersOf(content->layout);
-    content->memory = memory;
     std::optional<std::vector<std::size_t>> places;
-    if (requests) places = neededGrids(content->layout, *requests, others);
-    if (content->layout.isNano) return readNano(file, std::move(content), places);
-
+    if (requests) places = neededGrids(content.layout, *requests, others);
+    if (content.layout.isNano) return readNano(file, content, places);
     openvdb::initialize();
-    if (places && memory != nullptr) readDirectly(file, *content, *requests, *places, *memory);
-    if (places && places->empty() && !content->direct.empty()) {
-        content->grids.resize(content->offers.size());
-        return content;
-    }
-    const std::uint32_t version = readableVersion(content->layout);
-    VdbStream bytes = places ? VdbStream(file, version, content->layout, *places) : VdbStream(file, version);
+    if (!content.layout.points.empty()) return content.grids.resize(content.offers.size());
+    if (places && content.memory != nullptr) readDirectly(file, content, *requests, *places, *content.memory);
+    if (places && places->empty() && !content.direct.empty()) return content.grids.resize(content.offers.size());
+    const std::uint32_t version = readableVersion(content.layout);
+    VdbStream bytes = places ? VdbStream(file, version, content.layout, *places) : VdbStream(file, version);
     if (!places) {
-        places.emplace(content->offers.size());
+        places.emplace(content.offers.size());
         std::iota(places->begin(), places->end(), std::size_t{0});
     }
     openvdb::GridPtrVec grids;
     try {
-        checkTypes(path, content->offers, *places);
-        grids = parse(*content, bytes);
+        checkTypes(path, content.offers, *places);
+        grids = parse(content, bytes);
     } catch (const UnknownType&) {
         // A caller without requests wants to know about all grids, including unknown ones.
-        if (requests || !content->layout.hasOffsets) throw;
-        readSingly(file, *content);
-        return content;
+        if (requests || !content.layout.hasOffsets) throw;
+        return readSingly(file, content);
     }
-    if (!content->layout.hasOffsets) {
-        for (const openvdb::GridBase::Ptr& grid : grids) content->offers.push_back(offerOf(*grid));
-        content->grids = grids;
-        return content;
+    if (!content.layout.hasOffsets) {
+        for (const openvdb::GridBase::Ptr& grid : grids) content.offers.push_back(offerOf(*grid));
+        content.grids = grids;
+        return;
     }
     if (grids.size() != places->size())
         fail(path, fmt::format("truncated or damaged: it holds {} grids, expected {}", grids.size(), places->size()));
-    content->grids.resize(content->offers.size());
+    content.grids.resize(content.offers.size());
     for (std::size_t i = 0; i < grids.size(); ++i) {
         const std::size_t place = (*places)[i];
         // Users of a grid rely on the type by which it was chosen, and the file may have changed since.
-        if (grids[i]->type() != content->offers[place].type)
+        if (grids[i]->type() != content.offers[place].type)
             fail(path, "truncated or damaged: it changed while it was read");
-        content->grids[place] = grids[i];
+        content.grids[place] = grids[i];
     }
+}
+
+/// How a file is read.
+struct ReadHow {
+    std::vector<std::string> others = {};  ///< grids that are needed beside those that requests mean
+    BlockMemory* memory = nullptr;         ///< null: fields are made of grids, in this process; must outlive the result
+    PointLook look = {};
+    bool points = true;  ///< points become grids, even where there are no requests
+};
+
+/// Opens the file for `requests`, or for all grids.
+std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequest>* requests,
+                                const ReadHow& how = {}) {
+    auto content = std::make_unique<ParsedVdb>();
+    content->path = file.path();
+    content->bytes = file.size();
+    content->layout = checkVdbLayout(file);
+    content->offers = offersOf(content->layout);
+    content->memory = how.memory;
+    content->look = how.look;
+    readGrids(file, *content, requests, how.others);
+    if (!how.points) {
+        if (!content->layout.points.empty()) content->unused = readPointFile(file);
+        return content;
+    }
+    std::set<GridRequest> wanted = wantedOf(requests, how.others);
+    for (const GridOffer& offer : content->offers)
+        if (!requests && offer.isPoints()) wanted.insert({offer.name});
+    usePoints(file, *content, wanted);
     return content;
+}
+
+/// The name of a part's grid, or of an attribute of points.
+std::string partName(const std::vector<GridOffer>& offers, const CombinedGrid& grid, const CombinedGrid::Part& part,
+                     const std::string& path) {
+    const std::string& name = part.grid.empty() ? grid.name : part.grid;
+    const bool points = std::any_of(offers.begin(), offers.end(), [](const auto& offer) { return offer.isPoints(); });
+    if (points && !chooseNamed(offers, name) && !(part.grid.empty() && offers.size() == 1)) return name;
+    return callName(offers, choosePart(offers, grid, part, path));
 }
 
 /// The grids that `wanted` mean, put together from several files as `editor` says.
@@ -260,10 +347,10 @@ std::unique_ptr<ParsedVdb> readCombined(const VdbFiles& files, const std::vector
         std::vector<std::string> names;
         for (const CombinedGrid* const grid : grids)
             for (const CombinedGrid::Part& part : grid->parts)
-                if (part.file == f && !offers.empty())
-                    names.push_back(callName(offers, choosePart(offers, *grid, part, path)));
+                if (part.file == f && !offers.empty()) names.push_back(partName(offers, *grid, part, path));
         const std::vector<GridRequest> none;
-        parsed.push_back(read(*files[f], &none, names));
+        parsed.push_back(read(*files[f], &none, {names, nullptr, edit.points}));
+        content->notes.insert(content->notes.end(), parsed[f]->notes.begin(), parsed[f]->notes.end());
         content->path += (f == 0 ? "" : ", ") + path;
         content->bytes += files[f]->size();
         content->sources += fmt::format("; {} holds {}", shortened(path), listOf(parsed[f]->offers));
@@ -294,9 +381,27 @@ GridInfo describeUnread(const VdbLayout::Grid& grid, const GridOffer& offer, con
     return info;
 }
 
+GridInfo ParsedVdb::infoOfPoints(const openvdb::GridBase* grid) const {
+    GridInfo info;
+    if (grid != nullptr) {
+        info = describeGrid(*grid);
+        info.attributes = attributesOf(*grid);
+        describePoints(pointsIn(*this, *grid, {}), info);
+        return info;
+    }
+    info.name = offers.front().name;
+    info.valueType = offers.front().valueType();
+    info.gridClass = "unknown";
+    info.attributes = attributesOf(*unused);
+    describePoints(*unused, info);
+    return info;
+}
+
 VdbFileInfo ParsedVdb::info() const {
     VdbFileInfo out;
     out.path = path;
+    out.pointFormat = layout.points;
+    if (unused) out.grids.push_back(infoOfPoints(nullptr));
     out.fileVersion = layout.fileVersion;
     out.libraryMajor = layout.libraryMajor;
     out.libraryMinor = layout.libraryMinor;
@@ -310,7 +415,7 @@ VdbFileInfo ParsedVdb::info() const {
                 out.grids.push_back(describeUnread(described[i], offers[i], problems[i]));
             continue;
         }
-        out.grids.push_back(describeGrid(*grids[i]));
+        out.grids.push_back(isPointGrid(*grids[i]) ? infoOfPoints(grids[i].get()) : describeGrid(*grids[i]));
         // Without offsets in the file there is only what the writer stored in each grid's metadata, if anything.
         if (i < described.size()) out.grids.back().codec = described[i].codec;
     }
@@ -349,6 +454,11 @@ SparseField ParsedVdb::lastField(const GridRequest& request, const MessageSink& 
 }
 
 SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& messages) const {
+    for (const auto& [severity, text] : notes) notify(messages, severity, text);
+    if (const auto found = direct.find(request); found != direct.end()) {
+        reportCleaning(found->second, path, messages);
+        return found->second;
+    }
     const auto choice = chooseGrid(offers, request);
     const auto refuse = [&](const std::string& reason) {
         throw GridError(shortened(path + ": " + reason, kMessageLimit), request);
@@ -356,19 +466,22 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
     if (!choice && !combined.empty() && !request.grid.empty() && !chooseNamed(offers, request.grid))
         refuse(fmt::format("no grid '{}' among those of 'grids': '{}'{}", shortened(request.grid, 80),
                            fmt::join(combined, "', '"), sources));
-    if (!choice) refuse(whyNoGrid(offers, request));
-    if (const auto found = direct.find(request); found != direct.end()) {
-        reportCleaning(found->second, path, messages);
-        return found->second;
-    }
+    if (!choice) refuse(whyNoGrid(offers, request) + attributes);
     const openvdb::GridBase::Ptr& grid = grids[choice->grid];
+    BlockMemory here;
+    BlockMemory& kept = memory != nullptr ? *memory : here;
+    if (offers[choice->grid].isPoints() && (grid || unused)) {
+        PointSet points;
+        PointSet::Notes own;
+        points.add(choice->grid, grid ? pointsIn(*this, *grid, {request}) : *unused, look, path, own);
+        for (const auto& [severity, text] : own) notify(messages, severity, text);
+        return points.fields(offers, {request}, kept).at(request);
+    }
     if (!grid) refuse(fmt::format("grid '{}' was not requested when the file was opened", shortened(request.grid, 80)));
     if (layout.isNewer)
         notify(messages, Severity::warning,
                fmt::format("{}: file version {} is newer than OpenVDB {} knows; it may have been read wrongly", path,
                            layout.fileVersion, openvdb::getLibraryVersionString()));
-    BlockMemory here;
-    BlockMemory& kept = memory != nullptr ? *memory : here;
     try {
         if (request.part != GridPart::whole)
             return velocityFromGrid(grid, choice->component, request.part == GridPart::negative, path, messages, kept);
@@ -396,8 +509,8 @@ std::unique_ptr<ParsedVdb> withinMemory(const std::string& path, const Task& tas
 
 /// As `read`; a file that is too large becomes the reason of the error.
 std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
-                                                 BlockMemory* memory) {
-    return withinMemory(file.path(), [&] { return read(file, requests, {}, memory); });
+                                                 BlockMemory* memory, const PointLook& look) {
+    return withinMemory(file.path(), [&] { return read(file, requests, {{}, memory, look, requests != nullptr}); });
 }
 
 std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbFiles& files, const std::vector<GridRequest>* requests,
@@ -410,7 +523,7 @@ std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbFiles& files, co
         if (std::find(used.begin(), used.end(), edit.density) != used.end()) all.push_back({});
         std::unique_ptr<ParsedVdb> content;
         if (edit.grids.empty()) {
-            content = read(*files.front(), requests ? &all : nullptr, used);
+            content = read(*files.front(), requests ? &all : nullptr, {used, nullptr, edit.points});
         } else {
             std::vector<std::string> wanted = used;
             for (const GridRequest& request : all) wanted.push_back(request.grid);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scans of other fields: MetaImage, NumPy, MRC; and volumes of four dimensions. Files "by" a program are what that
+// Scans of other fields: MetaImage, NumPy, MRC, VTK; and volumes of four dimensions. Files "by" a program are what that
 // program wrote, byte by byte; the places that are expected are those that it tells itself.
 #include "plugins/sources/generated.h"
 
@@ -174,6 +174,60 @@ TEST_F(ScanFormats, MrcMapsAreReadInTheirOrderOfAxes) {
               file("a.mrc") + ": holds samples of mode 4, expected 0, 1, 2, 6 or 12 (real numbers)");
     EXPECT_EQ(refused(write("a.mrc", "short")), file("a.mrc") + ": is not an MRC map: it is too short");
     EXPECT_EQ(refused(write("a.mrc", std::string(2000, 'x'))), file("a.mrc") + ": is not an MRC map");
+}
+
+/// By VTK 9: Int16 samples of an extent from 2, 0, -1 on, with the place of kMeta.
+std::string vti(const std::string& more, const std::string& array, const std::string& behind = "") {
+    return "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"" + more +
+           ">\n  <ImageData WholeExtent=\"2 3 0 2 -1 2\" Origin=\"10 20 30\" Spacing=\"2 3 4\" Direction=\"0 0 1 1 0 0 "
+           "0 1 "
+           "0\">\n  <Piece Extent=\"2 3 0 2 -1 2\">\n    <PointData Scalars=\"ct\">\n      <DataArray type=\"Int16\" "
+           "Name=\"ct\" " +
+           array + "\n    </PointData>\n    <CellData>\n    </CellData>\n  </Piece>\n  </ImageData>\n" + behind +
+           "</VTKFile>\n";
+}
+const std::string kZlib = " compressor=\"vtkZLibDataCompressor\"";
+const std::string kPacked =
+    "AgAAAAAAAAAgAAAAAAAAABAAAAAAAAAAIgAAAAAAAAAYAAAAAAAAAA==eF4FwYUBwCAAACDs3vz/"
+    "WiGIkqyomm6Ylu34/K4HBoAAiXheE2QQYhBmEGEQZRBjEGeQYAAABYAApQ==";
+
+TEST_F(ScanFormats, VtkImageDataIsReadAndPlacedAsVtkDoes) {
+    const std::string text =
+        "1 2 3 4 5 6\n        7 8 9 10 11 12\n        13 14 15 16 17 18\n        19 20 21 22 23 24\n      </DataArray>";
+    const std::string raw = std::string("0\0\0\0\0\0\0\0", 8) + numbers<std::int16_t>(1, 24);
+    const std::vector<std::pair<std::string, std::string>> files{
+        {"text", vti("", "format=\"ascii\" RangeMin=\"1\" RangeMax=\"24\">\n        " + text)},
+        {"base64",
+         vti(kZlib, "format=\"binary\" RangeMin=\"1\" RangeMax=\"24\">\n        " + kPacked + "\n      </DataArray>")},
+        {"appended", vti("", "format=\"appended\" RangeMin=\"1\" RangeMax=\"24\" offset=\"0\" />",
+                         "  <AppendedData encoding=\"raw\">\n   _" + raw + "\n  </AppendedData>\n")},
+        {"appended base64", vti(kZlib, "format=\"appended\" offset=\"0\" />",
+                                "  <AppendedData encoding=\"base64\">\n   _" + kPacked + "\n  </AppendedData>\n")}};
+    for (const auto& [what, bytes] : files) {
+        const SparseField f = read(write("a.vti", bytes));
+        expectCounting(f, what);
+        // What vtkImageData.TransformIndexToPhysicalPoint says of (2, 0, -1) and (3, 2, 2).
+        expectPlace(f, Vec3(0), Vec3(6, 24, 30), what);
+        expectPlace(f, Vec3(1, 2, 3), Vec3(18, 26, 36), what);
+    }
+}
+
+TEST_F(ScanFormats, OtherVtkFilesAreRefusedWithTheReason) {
+    const auto of = [&](const std::string& bytes) {
+        return refused(write("a.vti", bytes)).substr(file("a.vti").size());
+    };
+    EXPECT_EQ(of("nothing"), ": is not a file of VTK");
+    EXPECT_EQ(of("<VTKFile type=\"PolyData\">"), ": holds VTK's PolyData, expected ImageData");
+    EXPECT_EQ(of(vti("", "format=\"ascii\">1 2 3</DataArray>")), ": is cut off: it has 3 samples, expected 24");
+    EXPECT_EQ(of(vti(" compressor=\"vtkLZ4DataCompressor\"", "format=\"binary\">AgAA</DataArray>")),
+              ": is compressed by 'vtkLZ4DataCompressor', expected vtkZLibDataCompressor, or none");
+    EXPECT_EQ(of(vti(kZlib, "format=\"binary\">AgAA</DataArray>")), ": is cut off: its samples end too early");
+    EXPECT_EQ(of(vti("", "NumberOfComponents=\"3\" format=\"ascii\">1</DataArray>")),
+              ": has 3 numbers a sample, expected 1");
+    EXPECT_EQ(of(vti("", "format=\"appended\" offset=\"0\" />")), ": is cut off: its appended data is missing");
+    std::string huge = vti("", "format=\"ascii\">1</DataArray>");
+    huge.replace(huge.find("2 3 0 2 -1 2"), 12, "0 999 0 999 0 999");
+    EXPECT_EQ(of(huge), ": declares 2000000000 bytes of samples, more than its 413 compressed bytes can hold");
 }
 
 TEST_F(ScanFormats, OneVolumeOfFourDimensionsIsTakenByNumber) {

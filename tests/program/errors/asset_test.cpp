@@ -306,13 +306,13 @@ TEST_F(Asset, InfoShowsAScan) {
 }
 
 TEST_F(Asset, FormatsThatAreNotReadAreNamed) {
-    write("x.vti", "<VTKFile type=\"ImageData\">");
+    write("x.vtk", "# vtk DataFile Version 3.0\n");
     const std::string reason =
-        "x.vti: is VTK ImageData (.vti), which is not read; convert it to NRRD or NIfTI (3D Slicer, ITK and ParaView "
-        "do)";
-    expectFailure({"render", "x.vti"}, kInput, reason);
-    expectFailure({"info", "x.vti"}, kInput, reason);
-    expectFailure({"make", "scan", "file=x.vti", "-o", "x.vdb"}, kInput, "source 'scan': " + reason);
+        "x.vtk: is a legacy VTK file (.vtk), which is not read; convert it to NRRD or NIfTI (3D Slicer, ITK and "
+        "ParaView do)";
+    expectFailure({"render", "x.vtk"}, kInput, reason);
+    expectFailure({"info", "x.vtk"}, kInput, reason);
+    expectFailure({"make", "scan", "file=x.vtk", "-o", "x.vdb"}, kInput, "source 'scan': " + reason);
     expectFailure({"info", "nowhere.DCM"}, kInput, "source 'scan': nowhere.DCM: there is no such file");
 }
 

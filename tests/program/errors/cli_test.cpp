@@ -78,9 +78,6 @@ void expectTypeRefused(const std::string& folder, const std::string& type, const
     EXPECT_FALSE(std::filesystem::exists(folder + "/odd.exr"));
 }
 
-TEST_F(CliErrors, PointGridIsRefused) {
-    expectTypeRefused(m_folder.path(), "points", "ptdataidx32");
-}
 TEST_F(CliErrors, VectorGridIsRefused) {
     expectTypeRefused(m_folder.path(), "vec3s", "vec3s");
 }
@@ -313,8 +310,8 @@ TEST_F(CliErrors, UnknownQualityListsThePresets) {
 
 TEST_F(CliErrors, UnknownKindOfInputIsUsage) {
     expectFailure({"render", "smoke.png"}, kUsage,
-                  "smoke.png: expected a scene (.toml), an asset (.vdb, .nvdb) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
-                  ".hdr, .mha, .mhd, .npy, .mrc, .dcm, or a folder of DICOM files)");
+                  "smoke.png: expected a scene (.toml), an asset (.vdb, .nvdb, .ply) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
+                  ".hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm, or a folder of DICOM files)");
 }
 
 TEST_F(CliErrors, NoInputIsUsage) {

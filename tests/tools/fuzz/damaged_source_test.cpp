@@ -52,6 +52,9 @@ std::vector<Kind> kinds() {
     const std::int32_t words[]{12, 12, 12, 0, 0, 0, 0, 12, 12, 12};
     std::memcpy(map.data(), words, sizeof words);
     std::memcpy(map.data() + 208, "MAP DD", 6);
+    const std::string vti =
+        "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 11 0 11 0 11\"><PointData><DataArray type=\"UInt8\"";
+    const std::string vtiEnd = "</DataArray></PointData></ImageData><AppendedData encoding=\"raw\">";
     DicomSlice frames = countingFrames();
     frames.modality = DicomSlice::kEnhancedCt;
     frames.framePositions = {"10\\20\\33", "10\\20\\30", "10\\20\\39", "10\\20\\36"};
@@ -67,6 +70,9 @@ std::vector<Kind> kinds() {
         {"scan", "a.mhd", meta + "ElementDataFile = samples.bin\n", samples()},
         {"scan", "a.npy", numpy + samples(), ""},
         {"scan", "a.mrc", map + samples(), ""},
+        {"scan", "text.vti", vti + " format=\"ascii\">" + text + "</DataArray></PointData></ImageData>", ""},
+        {"scan", "raw.vti",
+         vti + " format=\"appended\" offset=\"0\"/>" + vtiEnd + "_" + std::string("\xc0\x06\0\0", 4) + samples(), ""},
         {"scan", "a.dcm", frames.bytes(), ""},
         {"mesh", "a.obj", std::string("mtllib samples.bin\n") + kCubeObj, "newmtl red\n"},
         {"mesh", "text.ply", cubePly("ascii"), ""},

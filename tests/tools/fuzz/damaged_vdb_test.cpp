@@ -3,6 +3,7 @@
 // wrong, it ends in time with exit status 0 or 3, says why in one line, takes no more memory than it may, and leaves a
 // picture that is whole or none. Files of every kind that can be written, damaged as disks, networks and attackers do
 // it. SCRIM_FUZZ_FILES=N asks for N damaged files of each kind.
+#include "support/point_make.h"
 #include "support/program_test.h"
 #include "tools/fuzz/damage.h"
 
@@ -128,6 +129,48 @@ TEST_F(DamagedVdb, OfNanoVdbIsRefusedOrReadByTheLibrary) {
         }
         outcomes.print(kind.what);
         EXPECT_EQ(outcomes.crashed, 0) << kind.what;
+    }
+}
+
+TEST_F(DamagedVdb, OfPointsIsRefusedOrReadByTheLibrary) {
+    const int files = damagedFiles(100, 10);
+    std::mt19937 random(19);
+    LoadOptions options;
+    options.volumes = VolumeLoading::guarded;
+    options.memory = std::size_t{1} << 30;
+    std::vector<MadePoint> points;
+    for (int i = 0; i < 60; ++i) points.push_back({Vec3(i % 5, i % 7, i % 3), 0.1 + 0.01 * i, {1, 2, 3}, {1, 0.5, 0}});
+    makePointsVdb(file("good.vdb"), points);
+    std::string array = "{'descr': '<f4', 'fortran_order': False, 'shape': (20, 4), }\n";
+    array = std::string("\x93NUMPY\1\0", 8) + std::string{static_cast<char>(array.size()), 0} + array;
+    for (int i = 0; i < 80; ++i) array += std::string("\0\0\x80\x3f", 4);
+    for (const auto& [name, good] : {std::pair<std::string, std::string>("a.vdb", readBytes(file("good.vdb"))),
+                                     {"text.ply", plyOf(points, "ascii")},
+                                     {"big.ply", plyOf(points, "binary_big_endian")},
+                                     {"a.npy", array}}) {
+        Outcomes outcomes;
+        for (int i = 0; i < files; ++i) {
+            const std::string bytes = damaged(good, random);
+            write(name, bytes);
+            try {
+                for (const SparseField& field : loadFields(file(name), {{""}}, options, {}))
+                    for (std::size_t b = 0; b < field.blockCount(); ++b)
+                        for (int n = 0; n < kBlockVoxels; ++n) ASSERT_TRUE(std::isfinite(field.block(b)[n]));
+                loadInfo(file(name), options);
+                ++outcomes.read;
+            } catch (const Error& error) {
+                ++outcomes.refused;
+                if (error.kind() != ErrorKind::memory) outcomes.expectTold(error, file(name));
+            }
+            if (HasFailure()) return writeBytes(::testing::TempDir() + "/scrim_damaged." + name, bytes);
+        }
+        outcomes.print(name.c_str());
+        write(name, good);
+        EXPECT_GT(loadFields(file(name), {{""}}, options, {}).at(0).activeVoxels, 0u) << name;
+        // What Scrim itself reads never crashes.
+        if (name != "a.vdb") {
+            EXPECT_EQ(outcomes.crashed, 0) << name;
+        }
     }
 }
 

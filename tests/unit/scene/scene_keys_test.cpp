@@ -50,6 +50,7 @@ const std::map<std::string, std::vector<std::string>>& places() {
         {"frame", {kCamera + kVolume + "[volume.frame]\n@"}},
         {"transform", {kCamera + kVolume + "[volume.transform]\n@"}},
         {"density", {kCamera + kVolume + "[volume.density]\n@"}},
+        {"points", {kCamera + kVolume + "[volume.points]\n@"}},
         {"velocity",
          {kCamera + kVolume + "[volume.velocity]\ngrid = \"v\"\n@", kCamera + kVolume + "[volume.velocity]\n@"}},
         {"medium", {kMedium + "@"}},

@@ -106,6 +106,36 @@ TEST(SceneVolume, SaysWhatIsWrongWithGridsOfSeveralFiles) {
               std::string::npos);
 }
 
+TEST(SceneVolume, LooksAtPointsAsItSays) {
+    EXPECT_EQ(volume("file = 'a.vdb'\npoints = {}\n").edit, nullptr);
+    const auto edit =
+        volume("file = 'a.vdb'\npoints = { radius = 0.5, scale = 2, voxel = 0.1, weight = 'disc' }\n").edit;
+    ASSERT_NE(edit, nullptr);
+    EXPECT_EQ(edit->points, (PointLook{.radius = 0.5, .scale = 2, .voxel = 0.1, .discs = true}));
+    EXPECT_FALSE(edit->editsGrids());
+    EXPECT_EQ(
+        volumeError("points = { voxel = 0 }\n"),
+        "scene.toml:6:20: 'voxel' is 0; expected a number greater than 0 and of at most 1e+12 world units of the file");
+    EXPECT_EQ(errorOf(sceneWith("source = 'noise'\npoints = { voxel = 1 }\n")).substr(0, 14), "scene.toml:6:1");
+}
+
+TEST(SceneVolume, KnowsTheVelocitiesOfPointsWhereTheyPass) {
+    const std::string moving = "[[volume]]\nfile = 'a.ply'\nvelocity = { grid = 'v', scale = 2 }\n";
+    const auto lookOf = [](const std::string& text) {
+        const auto edit = read(text).volumes.at(0).edit;
+        return edit ? edit->points : PointLook();
+    };
+    EXPECT_EQ(lookOf(kCamera + moving), PointLook()) << "nothing is blurred";
+    const std::string camera = kCamera + "shutter = [-0.25, 0.5]\n";
+    // 24 frames a second.
+    const PointLook blurred = lookOf(camera + moving);
+    EXPECT_DOUBLE_EQ(blurred.open, -0.25 * 2 / 24);
+    EXPECT_DOUBLE_EQ(blurred.close, 0.5 * 2 / 24);
+    const PointLook carried = lookOf(kCamera + moving + "frame = { speed = 0.5, between = 'advect' }\n");
+    EXPECT_DOUBLE_EQ(carried.open, -2.0 / 24);
+    EXPECT_DOUBLE_EQ(carried.close, 2.0 / 24);
+}
+
 TEST(SceneVolume, FindsItsFileAtTheFrame) {
     const SceneVolume v = volume("file = \"smoke.####.vdb\"\nframe = { offset = -10, outside = \"hold\" }\n", 12);
     EXPECT_EQ(v.file, "/shots/smoke.0002.vdb");

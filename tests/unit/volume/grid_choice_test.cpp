@@ -84,7 +84,11 @@ TEST(GridChoice, OfAScalarTakesNumbersOfEveryKindButRealOnesFirst) {
         EXPECT_EQ(chosen({{"heat"}, {"density", offer.type, ""}}, {""}), "1") << type;
         EXPECT_EQ(chosen({offer}, {"id", 0}), "none") << "a colour of " << type;
     }
-    EXPECT_EQ(chosen({{"p", "Tree_ptdataidx32_5_4_3", ""}}, {"p"}), "none");
+    const GridOffer points{"p", GridOffer::kPoints, ""};
+    EXPECT_EQ(chosen({points}, {"p"}), "0");
+    EXPECT_EQ(chosen({points}, {""}), "0");
+    EXPECT_EQ(chosen({points}, {"p", 0}), "none") << "points are no colour";
+    EXPECT_EQ(chosen({points, {"id", "Tree_int32_5_4_3", ""}}, {""}), "1") << "points come last";
 }
 
 TEST(GridChoice, OfAScalarMayBeAComponentOfAVector) {
