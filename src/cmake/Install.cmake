@@ -50,6 +50,7 @@ foreach(
     volume/block_memory.h
     volume/field_builder.h
     volume/grid_request.h
+    volume/point_cloud.h
     volume/scrim_source.h # for volume sources, in C
     volume/sparse_field.h
     volume/vdb_file.h

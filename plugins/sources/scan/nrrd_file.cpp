@@ -91,6 +91,8 @@ class Header {
         m_ends = blank != std::string::npos;
         m_text.resize(m_ends ? blank + 1 : m_text.size());
         m_detached = valueOf("data file") || valueOf("datafile");
+        // Teem would take samples for a field, and end the process where that has too many numbers.
+        if (!m_ends && !m_detached) refuse(path, "damaged: its header has no end, which is an empty line");
     }
 
     /// The value of a field, without the spaces around it; none where the header lacks it.

@@ -285,5 +285,12 @@ TEST_F(ScanHeader, ReadsRealScans) {
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(middle[k], 0, 40) << k;
 }
 
+TEST_F(ScanHeader, AnNrrdHeaderWithoutAnEndIsRefused) {
+    std::string text = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 12 12 12\nspacings:";
+    for (int i = 0; i < 1728; ++i) text += " " + std::to_string(i % 256);
+    EXPECT_EQ(refused(write("a.nrrd", text)),
+              file("a.nrrd") + ": damaged: its header has no end, which is an empty line");
+}
+
 }  // namespace
 }  // namespace scrim::test
