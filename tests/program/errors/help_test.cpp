@@ -35,8 +35,10 @@ TEST_F(Help, CompletesCommandsOptionsPathsAndWords) {
           ":; }; _scrim; echo \"${COMPREPLY[*]}\"; }\nask scrim re\nask scrim render --ski\nask scrim render --set "
           "camera.fo\nask scrim render --quality u\nask scrim render --missing ''\n");
     ASSERT_EQ(std::system(("bash " + file("complete.sh") + " " + SCRIM_PROGRAM + " >" + file("out")).c_str()), 0);
-    EXPECT_EQ(readBytes(file("out")),
-              "render\n--skip-existing\ncamera.fov= camera.fov_axis= camera.focal_length=\nultra\nerror black skip\n");
+    EXPECT_EQ(
+        readBytes(file("out")),
+        "render\n--skip-existing\ncamera.fov= camera.fov_axis= camera.focal_length= camera.focus_distance=\nultra\n"
+        "error black skip\n");
 }
 
 /// A page as it is read: no fonts, no escapes. Fails where roff would take a line for a request that it is not.

@@ -66,7 +66,8 @@ double difference(const Image& a, const Image& b) {
     return std::sqrt(squares / all);
 }
 
-// Fine shadow buffers of the same directions, which agree with brute force. Sheets count as the halves that the surface
+// Fine shadow buffers of the same directions, which agree with brute force for suns in these directions (0.04 %; the
+// whole sky, which the reference integrates, is 3.7 % from 24 directions). Sheets count as the halves that the surface
 // fills: as wholes, what begins within them would be 2 to 3 % too bright.
 TEST(SurfacesOnCells, AreNearToFineShadowBuffers) {
     const auto apart = [](double extinction, double specular, const Light& light) {
