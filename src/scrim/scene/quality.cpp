@@ -104,8 +104,7 @@ Dial shutterSamples() {
     d.words = {"auto"};
     d.info = {"shutter_samples", "renders", "", "'auto', or a whole number from 1 to 1024",
               "renders averaged for motion blur and depth of field; auto: as many as pilot renders say that the "
-              "preset's error needs, or 1 "
-              "if nothing moves; error of second order"};
+              "preset's error needs, or 1 if nothing moves; error of second order"};
     d.allows = [](double v) { return v == std::floor(v) && v >= 1 && v <= 1024; };
     d.setNumber = [](Dials& dials, double v) { dials.shutterSamples = static_cast<int>(v); };
     d.setWord = [](Dials& dials, std::size_t) { dials.shutterSamples.reset(); };

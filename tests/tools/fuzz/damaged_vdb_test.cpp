@@ -74,6 +74,18 @@ class DamagedVdb : public ProgramTest {
             << what << ": " << result.err;
         EXPECT_LT(result.lastErrorLine().size(), 1500u) << what;
     }
+    /// Files are read by the library's own child.
+    static LoadOptions guarded() {
+        LoadOptions options;
+        options.volumes = VolumeLoading::guarded;
+        options.memory = std::size_t{1} << 30;
+        return options;
+    }
+    static void expectFinite(const std::vector<SparseField>& fields) {
+        for (const SparseField& field : fields)
+            for (std::size_t b = 0; b < field.blockCount(); ++b)
+                for (int n = 0; n < kBlockVoxels; ++n) ASSERT_TRUE(std::isfinite(field.block(b)[n]));
+    }
 };
 
 TEST_F(DamagedVdb, OfEveryKindIsRefusedOrReadWithinLimits) {
@@ -105,9 +117,7 @@ TEST_F(DamagedVdb, OfEveryKindIsRefusedOrReadWithinLimits) {
 TEST_F(DamagedVdb, OfNanoVdbIsRefusedOrReadByTheLibrary) {
     const int files = damagedFiles(100, 10);
     std::mt19937 random(17);
-    LoadOptions options;
-    options.volumes = VolumeLoading::guarded;
-    options.memory = std::size_t{1} << 30;
+    const LoadOptions options = guarded();
     for (const Kind& kind : kinds()) {
         if (!kind.nano) continue;
         kind.make(file("good.nvdb"));
@@ -117,9 +127,7 @@ TEST_F(DamagedVdb, OfNanoVdbIsRefusedOrReadByTheLibrary) {
             const std::string bytes = damaged(good, random);
             write("bad.nvdb", bytes);
             try {
-                for (const SparseField& field : loadFields(file("bad.nvdb"), {{""}}, options, {}))
-                    for (std::size_t b = 0; b < field.blockCount(); ++b)
-                        for (int n = 0; n < kBlockVoxels; ++n) ASSERT_TRUE(std::isfinite(field.block(b)[n]));
+                expectFinite(loadFields(file("bad.nvdb"), {{""}}, options, {}));
                 ++outcomes.read;
             } catch (const Error& error) {
                 ++outcomes.refused;
@@ -135,9 +143,7 @@ TEST_F(DamagedVdb, OfNanoVdbIsRefusedOrReadByTheLibrary) {
 TEST_F(DamagedVdb, OfPointsIsRefusedOrReadByTheLibrary) {
     const int files = damagedFiles(100, 10);
     std::mt19937 random(19);
-    LoadOptions options;
-    options.volumes = VolumeLoading::guarded;
-    options.memory = std::size_t{1} << 30;
+    const LoadOptions options = guarded();
     std::vector<MadePoint> points;
     for (int i = 0; i < 60; ++i) points.push_back({Vec3(i % 5, i % 7, i % 3), 0.1 + 0.01 * i, {1, 2, 3}, {1, 0.5, 0}});
     makePointsVdb(file("good.vdb"), points);
@@ -153,9 +159,7 @@ TEST_F(DamagedVdb, OfPointsIsRefusedOrReadByTheLibrary) {
             const std::string bytes = damaged(good, random);
             write(name, bytes);
             try {
-                for (const SparseField& field : loadFields(file(name), {{""}}, options, {}))
-                    for (std::size_t b = 0; b < field.blockCount(); ++b)
-                        for (int n = 0; n < kBlockVoxels; ++n) ASSERT_TRUE(std::isfinite(field.block(b)[n]));
+                expectFinite(loadFields(file(name), {{""}}, options, {}));
                 loadInfo(file(name), options);
                 ++outcomes.read;
             } catch (const Error& error) {
