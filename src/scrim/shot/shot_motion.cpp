@@ -245,21 +245,24 @@ Moment ShotMotion::momentOf(int i, int count) const {
     return moment;
 }
 
-// The scene as it is seen from a place on the lens.
+namespace {
+
+// The scene as it is seen from a place on its lens.
+Scene seenFrom(const Vec2& place, Scene scene) {
+    if (scene.lens) scene.camera = throughLens(scene.camera, *scene.lens, place);
+    return scene;
+}
+
+}  // namespace
+
 Scene ShotMotion::sceneAt(const Moment& moment) const {
-    Scene at = m_shot.sceneAt(moment.time);
-    if (at.lens) at.camera = throughLens(at.camera, *at.lens, moment.lens);
-    return at;
+    return seenFrom(moment.lens, m_shot.sceneAt(moment.time));
 }
 
 ViewScene ShotMotion::viewAt(const Moment& moment) const {
     const Scene at = sceneAt(moment);
     ViewScene view = m_moments->moved(moment.time, at);
-    if (wantsMotion(at)) {
-        Scene next = m_shot.nextAt(moment.time);
-        if (next.lens) next.camera = throughLens(next.camera, *next.lens, moment.lens);
-        addMotion(view, at, next, m_shot.fields);
-    }
+    if (wantsMotion(at)) addMotion(view, at, seenFrom(moment.lens, m_shot.nextAt(moment.time)), m_shot.fields);
     return view;
 }
 
@@ -288,14 +291,14 @@ ViewScene ShotMotion::truth() const {
 }
 
 double ShotMotion::longestPath() {
-    constexpr int kMoments = 9;
+    const int moments = m_moves ? 9 : 2;  // a lens alone needs what is the same at all of them
     std::vector<Places> places;
     UsualWays usual;
-    for (int i = 0; i < kMoments; ++i) {
-        const double part = static_cast<double>(i) / (kMoments - 1);
+    for (int i = 0; i < moments; ++i) {
+        const double part = static_cast<double>(i) / (moments - 1);
         const ViewScene view = m_moments->inPlace((1 - part) * m_shutter.open + part * m_shutter.close);
         places.push_back(pointsOf(view));
-        if (i == 0 || i == kMoments - 1) usual.include(view);
+        if (i == 0 || i == moments - 1) usual.include(view);
     }
     const std::pair<double, double> outlier = usual.outlier();
     double wsWay = usual.longest();  // displacement by velocities
@@ -306,7 +309,7 @@ double ShotMotion::longestPath() {
     const double least = 1e-3 * glm::length(box.size());
     std::vector<double> paths(places.front().ws.size());
     double lights = 0;
-    for (int i = 1; i < kMoments; ++i) {
+    for (int i = 1; i < moments; ++i) {
         const Places &a = places[std::size_t(i - 1)], &b = places[std::size_t(i)];
         for (std::size_t p = 0; p < std::min({paths.size(), a.ws.size(), b.ws.size()}); ++p) {
             const auto from = rasterOf(a.camera, a.ws[p], least), to = rasterOf(b.camera, b.ws[p], least);
