@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kStep = 3, kShadowStep = 3;  // steps of eye rays and of shadow rays, voxels
 constexpr double kLeastShare = 1e-3;          // steps that contribute less than this to the ray are not lit
+constexpr double kReach = 2.25;               // of texels: two along one axis, one along the other
 constexpr double kMostDepth = 7;              // optical depth at which a ray ends
 constexpr int kMostSteps = 400;               // per ray
 constexpr double kSure = 0.22;                // standard deviation of the mean square, relative to it
@@ -87,8 +88,8 @@ class PilotScene {
             m_bounds.include(own.bounds);
         }
         if (like != nullptr) m_bounds = like->m_bounds;
-        sortIntoCells();
         m_voxel = like != nullptr ? like->m_voxel : voxelUnit(scene);
+        sortIntoCells();
         chooseSteps(like);
         for (const Light& light : scene.lights) m_lights.push_back({&light, glm::dot(light.intensity, Rgb(1.0 / 3))});
         std::stable_sort(m_lights.begin(), m_lights.end(),
@@ -122,8 +123,9 @@ class PilotScene {
         double through[2] = {1, 1}, radiance[2] = {0, 0}, thickness = 0;
         walk(origin, direction, first, last, jitter, [&](double t, double step) {
             const Vec3 at = origin + t * direction;
-            const Stuff exact = stuffAt(at);
-            const Stuff stuff[2] = {exact, !texels || evenSteps(at, direction, step) > 0 ? exact : texelsAt(at)};
+            Stuff stuff[2];
+            lookUp(at, direction, texels && evenSteps(at, direction, step) == 0, stuff);
+            const Stuff& exact = stuff[0];
             if (stuff[0].extinction + stuff[1].extinction + stuff[0].glow + stuff[1].glow <= 0) return true;
             double light[2] = {m_ambient, m_ambient};
             const double before = radiance[0];
@@ -203,16 +205,38 @@ class PilotScene {
         const Vec3 way = light.distant() ? -light.wsDirection : light.wsPosition - from;
         return way == Vec3(0) ? way : glm::normalize(way);
     }
-    Stuff stuffAt(const Vec3& ws) const {
-        Stuff sum;
+    // What is at a point, and what texels show there if they are asked for. Of several volumes, those that are even
+    // there show the same.
+    void lookUp(const Vec3& ws, const Vec3& direction, bool texels, Stuff (&stuff)[2]) const {
+        if (m_volumes.size() == 1) {
+            stuff[0] = m_volumes.front().at(ws);
+            stuff[1] = texels ? texelsAt(m_volumes.front(), ws) : stuff[0];
+            return;
+        }
+        // Texels of the finest voxels show much larger ones as they are.
+        constexpr double kLarge = 4 * kStep;
+        const double reach = texels ? kReach * m_voxel : 0;
+        forVolumesNear(ws, reach, [&](const PilotVolume& volume) {
+            const Stuff own = volume.at(ws);
+            const bool same =
+                !texels || volume.step >= kLarge * m_voxel || volume.optics.evenAlong(ws, direction, reach) >= 0;
+            stuff[0].add(own, 1);
+            stuff[1].add(same ? own : texelsAt(volume, ws), 1);
+        });
+    }
+    // Calls visit(volume) for those in whose box a point is, or less than `reach` beside it.
+    template <class Visit>
+    void forVolumesNear(const Vec3& ws, double reach, const Visit& visit) const {
+        const auto visitIfNear = [&](const PilotVolume& volume) {
+            if (Bounds{volume.bounds.lower - reach, volume.bounds.upper + reach}.contains(ws)) visit(volume);
+        };
         if (m_cells.empty())
-            for (const PilotVolume& volume : m_volumes) sum.add(volume.at(ws), 1);
+            for (const PilotVolume& volume : m_volumes) visitIfNear(volume);
         else if (m_bounds.contains(ws))
-            for (const std::uint32_t v : m_cells[cellOf(ws)]) sum.add(m_volumes[v].at(ws), 1);
-        return sum;
+            for (const std::uint32_t v : m_cells[cellOf(ws)]) visitIfNear(m_volumes[v]);
     }
     // Among thousands of instances only a few volumes contain a given point. Each cell of a grid lists the volumes
-    // whose boxes touch it.
+    // whose boxes it touches, or nearly so.
     static constexpr int kCells = 24;  // along an axis
     using Cells = std::vector<std::vector<std::uint32_t>>;
     int cellAlong(double x, int axis) const {
@@ -229,8 +253,8 @@ class PilotScene {
         for (std::size_t v = 0; v < m_volumes.size(); ++v) {
             Int3 first, last;
             for (int axis = 0; axis < 3; ++axis) {
-                first[axis] = cellAlong(m_volumes[v].bounds.lower[axis], axis);
-                last[axis] = cellAlong(m_volumes[v].bounds.upper[axis], axis);
+                first[axis] = cellAlong(m_volumes[v].bounds.lower[axis] - kReach * m_voxel, axis);
+                last[axis] = cellAlong(m_volumes[v].bounds.upper[axis] + kReach * m_voxel, axis);
             }
             for (int x = first.x; x <= last.x; ++x)
                 for (int y = first.y; y <= last.y; ++y)
@@ -240,7 +264,6 @@ class PilotScene {
     }
     // How many steps along a ray from `at` see the same values as `at`, both in the field and in texels; 0 if unknown.
     int evenSteps(const Vec3& at, const Vec3& direction, double step) const {
-        constexpr double kReach = 2.25;  // texels: two along one axis, one along the other
         if (m_volumes.size() != 1) return 0;
         const double way = m_volumes.front().optics.evenAlong(at, direction, kReach * m_voxel);
         return way < 0 ? 0 : 1 + static_cast<int>(std::min(way / step, 1.0 * kMostSteps));
@@ -248,7 +271,7 @@ class PilotScene {
     // The field as texels reconstruct it: bilinear between the four nearest texels of f - 1/12 (second differences), a
     // prefilter that makes up for the blur of the bilinear look-up. Texels at -1 and 2 of a row or column contribute
     // only through the prefilter.
-    Stuff texelsAt(const Vec3& ws) const {
+    Stuff texelsAt(const PilotVolume& volume, const Vec3& ws) const {
         const double u = glm::dot(ws, m_u) / m_voxel, v = glm::dot(ws, m_v) / m_voxel;
         const double fu = u - std::floor(u), fv = v - std::floor(v);
         const double wu[4] = {0, 1 - fu, fu, 0}, wv[4] = {0, 1 - fv, fv, 0};
@@ -258,7 +281,7 @@ class PilotScene {
                 const auto at = [](const double* w, int k) { return k < 0 || k > 3 ? 0.0 : w[k]; };
                 const double around = wv[j] * (at(wu, i - 1) + at(wu, i + 1)) + wu[i] * (at(wv, j - 1) + at(wv, j + 1));
                 const double weight = wu[i] * wv[j] * (1 + 4.0 / 12) - around / 12;
-                if (weight != 0) sum.add(stuffAt(ws + m_voxel * ((i - 1 - fu) * m_u + (j - 1 - fv) * m_v)), weight);
+                if (weight != 0) sum.add(volume.at(ws + m_voxel * ((i - 1 - fu) * m_u + (j - 1 - fv) * m_v)), weight);
             }
         return {std::max(sum.extinction, 0.0), std::max(sum.glow, 0.0)};
     }
@@ -282,18 +305,19 @@ class PilotScene {
             if (!m_even)
                 walk(at, way, 0, last, jitter, [&](double t, double step) {
                     const Vec3 here = at + t * way;
-                    const double extinction = stuffAt(here).extinction;
-                    tau[0] += extinction * step;
-                    tau[1] += (texels ? texelsAt(here).extinction : extinction) * step;
+                    Stuff stuff[2];
+                    lookUp(here, way, texels, stuff);
+                    for (int i = 0; i < 2; ++i) tau[i] += stuff[i].extinction * step;
                     return std::min(tau[0], tau[1]) < kMostDepth;
                 });
             const double step = std::max(kShadowStep * m_voxel, last / kMostSteps);
             for (double t = jitter * step; m_even && t < last && std::min(tau[0], tau[1]) < kMostDepth;) {
                 const Vec3 here = at + t * way;
                 const int even = std::min(evenSteps(here, way, step), static_cast<int>(std::ceil((last - t) / step)));
-                const double along = std::max(even, 1) * step, extinction = stuffAt(here).extinction;
-                tau[0] += extinction * along;
-                tau[1] += (even > 0 || !texels ? extinction : texelsAt(here).extinction) * along;
+                const double along = std::max(even, 1) * step;
+                Stuff stuff[2];
+                lookUp(here, way, texels && even == 0, stuff);
+                for (int i = 0; i < 2; ++i) tau[i] += stuff[i].extinction * along;
                 t += along;
             }
         }

@@ -59,27 +59,30 @@ Vec3 FieldSampler::difference(const Vec3& is) const {
 // Interpolates between the eight voxels around `is`. Only the cubes that contain some of the eight are looked up, once
 // each.
 double FieldSampler::linear(const Vec3& is) const {
+    const Int3 base = wholeBelow(is), cube = base >> 3, inside = base & 7;
+    const BlockIndex::Place first = m_index.at(cube);
+    if (!first.values && regionOf(first, cube).contains(is)) return first.constant;
+    const bool within = inside.x < 7 && inside.y < 7 && inside.z < 7;
+    if (!within || !first.values) return linearAcross(is, first);
+    return trilinear(first.values + blockOffset(inside.x, inside.y, inside.z), blockOffset(1, 0, 0),
+                     blockOffset(0, 1, 0), is - Vec3(base));
+}
+
+// The same where they may lie in several cubes, of which `first` is the first one.
+double FieldSampler::linearAcross(const Vec3& is, const BlockIndex::Place& first) const {
     const Int3 base = wholeBelow(is), cube = base >> 3;
-    const Vec3 f = is - Vec3(base);
     int across = 0;  // one bit for each axis along which the eight lie in two cubes: x is 4, z is 1
     for (int axis = 0; axis < 3; ++axis)
         if ((base[axis] & 7) == 7) across |= 4 >> axis;
     BlockIndex::Place places[8];
-    places[0] = m_index.at(cube);
-    if (!places[0].values) {
-        const Bounds region = regionOf(places[0], cube);
-        if (region.contains(is)) return places[0].constant;
-    }
-    if (across == 0 && places[0].values)
-        return trilinear(places[0].values + blockOffset(base.x & 7, base.y & 7, base.z & 7), blockOffset(1, 0, 0),
-                         blockOffset(0, 1, 0), f);
+    places[0] = first;
     float corners[8];
     for (int i = 0; i < 8; ++i) {
         const Int3 step(i >> 2, i >> 1 & 1, i & 1);
         if (i > 0 && (i & across) == i) places[i] = m_index.at(cube + step);
         corners[i] = static_cast<float>(places[i & across].voxel(base + step));
     }
-    return trilinear(corners, 4, 2, f);
+    return trilinear(corners, 4, 2, is - Vec3(base));
 }
 
 bool FieldSampler::emptyAround(const Vec3& is, double radius) const {

@@ -43,6 +43,7 @@ class FieldSampler {
 
   private:
     double linear(const Vec3& is) const;
+    double linearAcross(const Vec3& is, const BlockIndex::Place& first) const;
 
     BlockIndex m_index;
     Kernel m_kernel;

@@ -3,6 +3,7 @@
 #include "soft_lights.h"
 #include "support/fields.h"
 
+#include <scrim/engine/passes/light_cells.h>
 #include <scrim/engine/plan/make_plan.h>
 
 #include <gtest/gtest.h>
@@ -64,6 +65,32 @@ double difference(const Image& a, const Image& b) {
         all += std::pow(double(b.rgba[i]), 2);
     }
     return std::sqrt(squares / all);
+}
+
+// Light on surfaces that the eye does not see is not kept. That nothing seen is missing, brute force says above.
+TEST(SurfacesOnCells, AreKeptWhereTheEyeSeesThem) {
+    for (const bool perspective : {false, true}) {
+        ViewScene scene = scanOf(look(6, 0.3));
+        scene.lights = {domeLight(24)};
+        if (perspective) {
+            scene.camera.type = CameraType::perspective;
+            scene.camera.wsPosition = {0, 0, 60};
+        }
+        std::size_t bytes = 0;
+        const std::vector<CellLight> kept = lightOnCells(
+            scene, {0}, 1.0 / 3, {}, [] {}, bytes);
+        ASSERT_EQ(kept.size(), 2u);  // diffuse and mirrored
+        const Vec3 toEye = -viewingAxis(scene.camera), large(-2, -1, -2);
+        for (const CellLight& light : kept) {
+            Real seen[3], hidden[3];
+            light.ofVolume.front()->sample(large + 7.0 * toEye, seen);
+            light.ofVolume.front()->sample(large - 7.0 * toEye, hidden);
+            EXPECT_EQ(hidden[1], 0);
+            if (light.as == ShownAs::diffuse) {
+                EXPECT_GT(seen[1], 0.01);
+            }
+        }
+    }
 }
 
 // Fine shadow buffers of the same directions, which agree with brute force for suns in these directions (0.04 %; the

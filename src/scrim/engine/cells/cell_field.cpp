@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/cells/cell_field.h>
 
+#include <scrim/engine/cells/cell_look_up.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -102,19 +104,27 @@ void CellField::sample(const Vec3& ws, LastBlock& last, Real (&rgb)[3]) const {
 void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3],
                        const Real* nearer) const {
     LastBlock last;
-    for (int k = 0; k < kTileSize; ++k) {
-        Real found[3] = {0, 0, 0};
-        if (extinction[k] != 0) {
-            const SheetPath path(plane, samples, k, extinction[k], nearer ? nearer[k] : Real(-1));
-            sample(path.wsNear + path.wsSeen, last, found);
-            if (path.thick) {
-                Real behind[3];
-                sample(path.wsFar + path.wsSeenFar, last, behind);
-                for (int c = 0; c < 3; ++c) found[c] += path.farther * (behind[c] - found[c]);
-            }
+    const auto lookUpOne = [&](int k) {
+        Real found[3];
+        const SheetPath path(plane, samples, k, extinction[k], nearer ? nearer[k] : Real(-1));
+        sample(path.wsNear + path.wsSeen, last, found);
+        if (path.thick) {
+            Real behind[3];
+            sample(path.wsFar + path.wsSeenFar, last, behind);
+            for (int c = 0; c < 3; ++c) found[c] += path.farther * (behind[c] - found[c]);
         }
         for (int c = 0; c < 3; ++c) rgb[c][k] = found[c];
+    };
+    if (!nearer && !m_grid->hasWalls()) {
+        int left[kTileSize];
+        const CellValues own{m_grid.get(), m_values.data(), m_colours, {m_tint[0], m_tint[1], m_tint[2]}};
+        const int count = lookUpThin(own, plane, samples, extinction, rgb, left);
+        for (int i = 0; i < count; ++i) lookUpOne(left[i]);
+        return;
     }
+    for (int c = 0; c < 3; ++c) std::fill_n(rgb[c], kTileSize, Real(0));
+    for (int k = 0; k < kTileSize; ++k)
+        if (extinction[k] != 0) lookUpOne(k);
 }
 
 }  // namespace scrim

@@ -56,6 +56,9 @@ class CellGrid {
                                             const Bounds& wsFar);
 
     double edge() const { return m_edge; }
+    /// A corner of a cell, and how many cells from it the box around all blocks begins.
+    const Vec3& wsCorner() const { return m_corner; }
+    const Int3& origin() const { return m_origin; }
     /// The size, in blocks, of the box around all blocks.
     const Int3& blocks() const { return m_blocks; }
     /// The index of block `at` among the stored blocks; -1 if it is not stored, or outside of the box.

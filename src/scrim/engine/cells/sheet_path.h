@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/real.h>
+#include <scrim/base/simd.h>
 #include <scrim/engine/model/eye_view.h>
 
 #include <algorithm>
@@ -18,6 +19,7 @@ struct SamplePlane {
     Vec3 wsOrigin{0}, wsPerU{0}, wsPerV{0}, wsPerSheet{0};
     double toTexels = 1;
     double towardsEye = 0;  ///< 1 if the next sheet is nearer to the eye, -1 if it is farther; 0: it does not matter
+    Simd simd = {};
 
     Vec3 wsSample(const SampleTile& samples, int k) const {
         return wsOrigin + double(samples.u[k]) * wsPerU + double(samples.v[k]) * wsPerV;
@@ -27,9 +29,11 @@ struct SamplePlane {
 /// Within a sheet light counts as the eye sees it through the part before. A thick sheet counts as two halves, since
 /// light that fades within it does so as an exponential and not evenly. So does one in which a surface begins or ends.
 struct SheetPath {
+    static constexpr double kThick = 0.5;
+
     Vec3 wsMiddle;
     Vec3 ws;             ///< from where the eye's ray meets the sheet's one side to where it meets the other
-    bool thick;          ///< the optical depth of the sheet is above 0.5
+    bool thick;          ///< the optical depth of the sheet is above kThick
     Vec3 wsNear, wsFar;  ///< the middles of the halves that are nearer to and farther from the eye; not thick: both
                          ///< the middle
     Vec3 wsSeen;         ///< from such a middle to where light that changes evenly counts
@@ -42,7 +46,6 @@ struct SheetPath {
         : wsMiddle(plane.wsSample(samples, k)),
           ws(plane.wsPerSheet +
              plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU + double(samples.eyeB[k]) * plane.wsPerV)) {
-        constexpr double kThick = 0.5;
         const Vec3 ahead = plane.towardsEye * ws;
         const double tau = double(extinction) * glm::length(ws), half = 0.5 * tau;
         thick = tau > kThick;
@@ -73,7 +76,7 @@ struct SheetPath {
     // it is at coth(tau / 2) / 2 - 1 / tau of the path before the middle.
     static double nearerThanMiddle(double tau) {
         const double t2 = tau * tau;  // the series is exact to 1e-7
-        return tau < 1 ? tau / 12 * (1 - t2 / 60 * (1 - t2 / 42 * (1 - t2 / 40)))
+        return tau < 1 ? tau * (1.0 / 12) * (1 - t2 * (1.0 / 60) * (1 - t2 * (1.0 / 42) * (1 - t2 * (1.0 / 40))))
                        : 0.5 / std::tanh(0.5 * tau) - 1 / tau;
     }
 };

@@ -64,6 +64,29 @@ class Places {
     bool m_copied = false;
 };
 
+// Calls visit(places, cell, its centre) for the cells of a grid that the volume's voxels may reach, in parallel.
+template <class Visit>
+void visitPlaces(const CellGrid& grid, const ViewVolume& volume, Kernel kernel, double voxel, const Visit& visit) {
+    FieldSamplers samplers;
+    const VolumeOptics optics(volume, kernel, samplers);
+    const FieldSampler field(*volume.field, kernel);
+    // Eighths of blocks are small enough for what is known of empty space.
+    constexpr int kHalf = kCellEdge / 2;
+    parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {
+        Places places(volume, optics, field, grid.edge(), voxel);
+        for (int eighth = 0; eighth < 8; ++eighth) {
+            const Int3 within = kHalf * Int3(eighth & 1, eighth >> 1 & 1, eighth >> 2 & 1),
+                       corner = grid.storedBlocks()[b] * kCellEdge + within;
+            if (!places.enter({grid.wsFromCs(Vec3(corner)), grid.wsFromCs(Vec3(corner + kHalf))})) continue;
+            for (int i = 0; i < kHalf * kHalf * kHalf; ++i) {
+                const Int3 at = within + Int3(i % kHalf, i / kHalf % kHalf, i / (kHalf * kHalf));
+                const std::size_t cell = b * kBlockCells + std::size_t(cellOffset(at.x, at.y, at.z));
+                visit(places, cell, grid.wsCenter(cell));
+            }
+        }
+    });
+}
+
 // Rays find the extinction interpolated between the cells beside them: takes the mean error of that from it.
 void sharpen(const CellGrid& grid, std::vector<Real>& extinction) {
     constexpr Real kPerBend = Real(1.0 / 12);
@@ -107,39 +130,33 @@ SurfaceCells surfaceCells(const CellGrid& grid, const ViewVolume& volume, Kernel
     SurfaceCells out;
     out.extinction.assign(grid.cells(), Real(0));
     out.value.assign(grid.cells(), Real(0));
-    for (std::vector<Real>& row : out.facing) row.assign(grid.cells(), Real(0));
-    FieldSamplers samplers;
-    const VolumeOptics optics(volume, kernel, samplers);
-    const FieldSampler field(*volume.field, kernel);
-    // Eighths of blocks are small enough for what is known of empty space.
-    constexpr int kHalf = kCellEdge / 2;
-    parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {
-        Places places(volume, optics, field, grid.edge(), voxel);
-        for (int eighth = 0; eighth < 8; ++eighth) {
-            const Int3 within = kHalf * Int3(eighth & 1, eighth >> 1 & 1, eighth >> 2 & 1),
-                       corner = grid.storedBlocks()[b] * kCellEdge + within;
-            if (!places.enter({grid.wsFromCs(Vec3(corner)), grid.wsFromCs(Vec3(corner + kHalf))})) continue;
-            for (int i = 0; i < kHalf * kHalf * kHalf; ++i) {
-                const Int3 at = within + Int3(i % kHalf, i / kHalf % kHalf, i / (kHalf * kHalf));
-                const std::size_t cell = b * kBlockCells + std::size_t(cellOffset(at.x, at.y, at.z));
-                const Vec3 ws = grid.wsCenter(cell), slope = places.gradient(ws);
-                const double value = places.value(ws);
-                out.value[cell] = static_cast<Real>(value);
-                out.extinction[cell] = static_cast<Real>(places.extinction(ws, value, slope));
-                const auto facing = places.facing(ws, slope);
-                for (std::size_t part = 0; part < facing.size(); ++part) out.facing[part][cell] = facing[part];
-            }
-        }
+    const bool byGradient = !volume.classified->gradientRamp.empty();
+    visitPlaces(grid, volume, kernel, voxel, [&](const Places& places, std::size_t cell, const Vec3& ws) {
+        const double value = places.value(ws);
+        out.value[cell] = static_cast<Real>(value);
+        out.extinction[cell] =
+            static_cast<Real>(places.extinction(ws, value, byGradient ? places.gradient(ws) : Vec3(0)));
     });
-    sharpen(grid, out.extinction);
+    // Where values say what holds light back, extinction only says where there is any.
+    if (!isByValueAlone(volume)) sharpen(grid, out.extinction);
     return out;
 }
 
-std::vector<Bounds> SurfaceCells::boxes(const CellGrid& grid, double margin) const {
+SurfaceNormals surfaceNormals(const CellGrid& grid, const ViewVolume& volume, Kernel kernel, double voxel) {
+    SurfaceNormals out;
+    for (std::vector<Real>& row : out) row.assign(grid.cells(), Real(0));
+    visitPlaces(grid, volume, kernel, voxel, [&](const Places& places, std::size_t cell, const Vec3& ws) {
+        const auto facing = places.facing(ws, places.gradient(ws));
+        for (std::size_t part = 0; part < facing.size(); ++part) out[part][cell] = facing[part];
+    });
+    return out;
+}
+
+std::vector<Bounds> SurfaceCells::boxes(const CellGrid& grid, const std::vector<bool>& blocks, double margin) const {
     std::vector<Bounds> boxes;
     for (std::size_t b = 0; b < grid.storedBlocks().size(); ++b) {
         const auto first = extinction.begin() + static_cast<std::ptrdiff_t>(b * kBlockCells);
-        if (std::none_of(first, first + kBlockCells, [](Real sigma) { return sigma > 0; })) continue;
+        if (!blocks[b] || std::none_of(first, first + kBlockCells, [](Real sigma) { return sigma > 0; })) continue;
         Bounds box;
         const Int3 corner = grid.storedBlocks()[b] * kCellEdge;
         for (int i = 0; i < kBlockCells; ++i)

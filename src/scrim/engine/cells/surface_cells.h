@@ -16,15 +16,16 @@ namespace scrim {
 struct SurfaceCells {
     std::vector<Real> extinction;  ///< at the cell's centre, per world unit; 0: it shows nothing
     std::vector<Real> value;       ///< of the field there
-    /// Where a cell or one beside it shows something, the unit normal out of the denser side along the axes of the
-    /// world, and its weight (normalWeight); else 0.
-    std::array<std::vector<Real>, 4> facing;
 
-    std::size_t bytes() const { return (extinction.size() + value.size() + 4 * facing[0].size()) * sizeof(Real); }
-    /// Boxes around all blocks of `grid`, whose cells these are, that have a cell of the surfaces: `margin` world units
-    /// beyond its cells.
-    std::vector<Bounds> boxes(const CellGrid& grid, double margin) const;
+    std::size_t bytes() const { return (extinction.size() + value.size()) * sizeof(Real); }
+    /// Boxes around those `blocks` of `grid`, whose cells these are, that have a cell of the surfaces: `margin` world
+    /// units beyond its cells.
+    std::vector<Bounds> boxes(const CellGrid& grid, const std::vector<bool>& blocks, double margin) const;
 };
+
+/// Which way surfaces face in each cell of a grid: the unit normal out of the denser side along the axes of the world
+/// (0, 1, 2), and its weight (3; see normalWeight); 0 where nothing is near.
+using SurfaceNormals = std::array<std::vector<Real>, 4>;
 
 /// The integral of a transfer function's extinction over the field's values, so that its mean between two values is a
 /// difference (see TransferTable of splat/).
@@ -43,5 +44,6 @@ bool isByValueAlone(const ViewVolume& volume);
 /// `volume` must be classified, and have voxels. `kernel`: for fields that have none of their own. `voxel`: unit of the
 /// dials.
 SurfaceCells surfaceCells(const CellGrid& grid, const ViewVolume& volume, Kernel kernel, double voxel);
+SurfaceNormals surfaceNormals(const CellGrid& grid, const ViewVolume& volume, Kernel kernel, double voxel);
 
 }  // namespace scrim

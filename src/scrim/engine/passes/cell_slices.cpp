@@ -3,9 +3,12 @@
 
 #include <scrim/base/parallel.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -37,6 +40,44 @@ void sharpenRow(const std::vector<Real>& rows, std::size_t count, const std::arr
     }
 }
 
+// The step from a cell of a block to the next one along an axis.
+constexpr std::size_t strideOf(int axis) {
+    constexpr std::array<std::size_t, 3> kStride{1, kCellEdge, std::size_t(kCellEdge) * kCellEdge};
+    return kStride[std::size_t(axis)];
+}
+
+// The stored blocks of a grid in columns along the rows of slices, which `axes` are those of.
+class BlockColumns {
+  public:
+    BlockColumns(const CellGrid& grid, const std::array<int, 3>& axes)
+        : m_size{grid.blocks()[axes[1]], grid.blocks()[axes[2]]} {
+        const std::vector<Int3>& places = grid.storedBlocks();
+        const auto column = [&](std::size_t b) {
+            return std::size_t(places[b][axes[2]]) * std::size_t(m_size[0]) + std::size_t(places[b][axes[1]]);
+        };
+        m_first.assign(std::size_t(m_size[0]) * std::size_t(m_size[1]) + 1, 0);
+        for (std::size_t b = 0; b < places.size(); ++b) ++m_first[column(b) + 1];
+        for (std::size_t c = 1; c < m_first.size(); ++c) m_first[c] += m_first[c - 1];
+        m_blocks.resize(places.size());
+        std::vector<std::uint32_t> next(m_first.begin(), m_first.end() - 1);
+        for (std::size_t b = 0; b < places.size(); ++b) m_blocks[next[column(b)]++] = static_cast<std::uint32_t>(b);
+    }
+    // The blocks that the row of cells (j, k) of the grid passes, by their numbers; empty outside.
+    std::span<const std::uint32_t> at(int j, int k) const {
+        if (j < 0 || k < 0 || j >= m_size[0] * kCellEdge || k >= m_size[1] * kCellEdge) return {};
+        const std::size_t c = std::size_t(k / kCellEdge) * std::size_t(m_size[0]) + std::size_t(j / kCellEdge);
+        return std::span(m_blocks).subspan(m_first[c], m_first[c + 1] - m_first[c]);
+    }
+
+  private:
+    int m_size[2];
+    std::vector<std::uint32_t> m_first, m_blocks;
+};
+
+void append(std::span<const CellSpan> some, std::vector<CellSpan>& spans) {
+    spans.insert(spans.end(), some.begin(), some.end());
+}
+
 // Fills `values` with zeros; does not keep the old memory while it gets more.
 void clear(std::vector<Real>& values, std::size_t count) {
     if (values.capacity() < count) std::vector<Real>().swap(values);
@@ -48,8 +89,6 @@ void clear(std::vector<Real>& values, std::size_t count) {
 void CellSlices::layAlong(int axis) {
     axes = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, axis};
     for (std::size_t a = 0; a < 3; ++a) size[a] = m_grid.blocks()[axes[a]] * kCellEdge + 2;
-    full.assign(std::size_t(size[1] + 2) * std::size_t(size[2]), {});
-    wanted.assign(std::size_t(size[1]) * std::size_t(size[2]), {});
 }
 
 Vec3 CellSlices::wsPlace(const Vec3& at) const {
@@ -83,62 +122,87 @@ std::tuple<double, Vec3, Mat3> CellSlices::seriesOf(const Light& light, const Bo
 }
 
 template <class Visit>
-void CellSlices::visitRows(const Visit& visit) const {
-    constexpr std::array<std::size_t, 3> kStep{1, kCellEdge, std::size_t(kCellEdge) * kCellEdge};
-    for (std::size_t b = 0; b < m_grid.storedBlocks().size(); ++b) {
-        const Int3 first = m_grid.storedBlocks()[b] * kCellEdge + 1;
+void CellSlices::visitRows(const CellGrid& grid, const Visit& visit) const {
+    const Int3 shift(glm::round(m_grid.csFromWs(grid.wsFromCs(Vec3(0)))));
+    for (std::size_t b = 0; b < grid.storedBlocks().size(); ++b) {
+        const Int3 first = grid.storedBlocks()[b] * kCellEdge + shift + 1;
         for (int k = 0; k < kCellEdge; ++k)
             for (int j = 0; j < kCellEdge; ++j)
                 visit(paddedRow(first[axes[1]] + j, first[axes[2]] + k), first[axes[0]],
-                      b * kBlockCells + std::size_t(j) * kStep[std::size_t(axes[1])] +
-                          std::size_t(k) * kStep[std::size_t(axes[2])],
-                      kStep[std::size_t(axes[0])]);
+                      b * kBlockCells + std::size_t(j) * strideOf(axes[1]) + std::size_t(k) * strideOf(axes[2]),
+                      strideOf(axes[0]));
     }
 }
 
-void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach, bool values) {
-    std::fill(full.begin(), full.end(), CellSpan{});
-    visitRows([&](std::size_t row, int i, std::size_t cell, std::size_t step) {
-        int begin = 0, end = kCellEdge;
-        while (begin < end && perWorldUnit[cell + std::size_t(begin) * step] == 0) ++begin;
-        while (begin < end && perWorldUnit[cell + std::size_t(end - 1) * step] == 0) --end;
-        full[row] = full[row].with({i + begin, i + end});
+void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach, bool values,
+                      const std::vector<const CellGrid*>& shown) {
+    const BlockColumns columns(m_grid, axes);
+    const std::size_t step = strideOf(axes[0]), perSlice = std::size_t(size[1] + 2);
+    const std::size_t rows = perSlice * std::size_t(size[2]);
+    full = RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
+        // The box is one cell larger than the grid.
+        const int j = static_cast<int>(row % perSlice) - 2, k = static_cast<int>(row / perSlice) - 1;
+        for (const std::uint32_t b : columns.at(j, k)) {
+            const Real* cells = perWorldUnit.data() + std::size_t(b) * kBlockCells +
+                                std::size_t(j % kCellEdge) * strideOf(axes[1]) +
+                                std::size_t(k % kCellEdge) * strideOf(axes[2]);
+            const int i = m_grid.storedBlocks()[b][axes[0]] * kCellEdge + 1;
+            int begin = 0, end = kCellEdge;
+            while (begin < end && cells[std::size_t(begin) * step] == 0) ++begin;
+            while (begin < end && cells[std::size_t(end - 1) * step] == 0) --end;
+            spans.push_back({i + begin, i + end});
+        }
     });
-    findWanted(reach);
-    keepRows(values);
+    crossed = RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
+        append(full.row(row), spans);
+        if ((row + 1) % perSlice != 0) append(full.row(row + 1), spans);
+    });
+    wanted = near(reach);
+    beside = {};
+    if (values)
+        beside = RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
+            const int j = static_cast<int>(row % perSlice) - 1, k = static_cast<int>(row / perSlice);
+            for (int one = std::max(j, 0); one <= std::min(j + 1, size[1] - 1); ++one)
+                append(wanted.row(rowIndex(one, k)), spans);
+        });
+    if (!shown.empty()) wanted = within(shown);
+    crossedRows = crossed.usedRows(perSlice);
+    besideRows = beside.usedRows(perSlice);
+    wantedRows = wanted.usedRows(std::size_t(size[1]));
+    keepRows();
     refill(perWorldUnit);
 }
 
 void CellSlices::refill(const std::vector<Real>& perWorldUnit) {
     const auto edge = static_cast<Real>(m_grid.edge());
-    visitRows([&](std::size_t row, int i, std::size_t cell, std::size_t step) {
-        const CellSpan& span = full[row];
+    visitRows(m_grid, [&](std::size_t row, int i, std::size_t cell, std::size_t step) {
+        const CellSpan span = full.around(row);
         Real* to = m_extinction.data() + m_rowAt[row];
         for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
             to[at] = edge * perWorldUnit[cell + std::size_t(at - i) * step];
     });
 }
 
-void CellSlices::face(const SurfaceCells& surfaces) {
-    for (std::size_t part = 0; part < m_facing.size(); ++part) {
-        clear(m_facing[part], m_sliceAt.back());
-        const std::vector<Real>& from = surfaces.facing[part < 3 ? std::size_t(axes[part]) : part];
-        visitRows([&](std::size_t row, int i, std::size_t cell, std::size_t step) {
-            const int k = static_cast<int>(row / std::size_t(size[1] + 2)),
-                      j = static_cast<int>(row % std::size_t(size[1] + 2)) - 1;
-            const CellSpan& span = wanted[rowIndex(j, k)];
-            Real* to = m_facing[part].data() + m_sumAt[rowIndex(j, k)];
-            for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
-                to[at] = from[cell + std::size_t(at - i) * step];
-        });
-    }
+void CellSlices::face(const CellGrid& of, const SurfaceNormals& normals) {
+    for (std::vector<Real>& part : m_facing) clear(part, m_sliceAt.back());
+    visitRows(of, [&](std::size_t row, int i, std::size_t cell, std::size_t step) {
+        const int k = static_cast<int>(row / std::size_t(size[1] + 2)),
+                  j = static_cast<int>(row % std::size_t(size[1] + 2)) - 1;
+        for (const CellSpan& span : wanted.row(rowIndex(j, k)))
+            for (std::size_t part = 0; part < m_facing.size(); ++part) {
+                const std::vector<Real>& from = normals[part < 3 ? std::size_t(axes[part]) : part];
+                Real* to = m_facing[part].data() + m_sumAt[rowIndex(j, k)];
+                for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
+                    to[at] = from[cell + std::size_t(at - i) * step];
+            }
+    });
 }
 
 void CellSlices::classify(const SurfaceCells* surfaces, const ExtinctionIntegral* integral) {
     m_integral = integral;
     if (!integral) return;
     clear(m_values, m_extinction.size());
-    visitRows([&](std::size_t row, int i, std::size_t cell, std::size_t step) {
+    visitRows(m_grid, [&](std::size_t row, int i, std::size_t cell, std::size_t step) {
         const CellSpan& span = m_kept[row];
         Real* to = m_values.data() + m_rowAt[row];
         for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
@@ -146,31 +210,72 @@ void CellSlices::classify(const SurfaceCells* surfaces, const ExtinctionIntegral
     });
 }
 
-CellSpan CellSlices::withValues(int j, int k) const {
-    CellSpan span;
-    for (int row = std::max(j, 0); row <= std::min(j + 1, size[1] - 1); ++row)
-        span = span.with(wanted[rowIndex(row, k)]);
-    return span;
+// The spans up to `reach` cells from `full`.
+RowSpans CellSlices::near(int reach) const {
+    const auto across = std::size_t(size[1]), rows = across * std::size_t(size[2]);
+    const RowSpans along = RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
+        const int j = static_cast<int>(row % across), k = static_cast<int>(row / across);
+        for (int one = std::max(j - reach, 0); one <= std::min(j + reach, size[1] - 1); ++one)
+            for (const CellSpan& span : full.row(paddedRow(one, k)))
+                spans.push_back({std::max(span.begin - reach, 0), std::min(span.end + reach, size[0])});
+    });
+    return RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
+        const int j = static_cast<int>(row % across), k = static_cast<int>(row / across);
+        for (int one = std::max(k - reach, 0); one <= std::min(k + reach, size[2] - 1); ++one)
+            append(along.row(rowIndex(j, one)), spans);
+    });
+}
+
+// What of `wanted` lies in the blocks of these grids, or beside them.
+RowSpans CellSlices::within(const std::vector<const CellGrid*>& shown) const {
+    constexpr int kBeside = 2;  // cells: one to look up between, one to sharpen by
+    std::vector<BlockColumns> columns;
+    std::vector<Int3> shifts;
+    for (const CellGrid* grid : shown) {
+        columns.emplace_back(*grid, axes);
+        shifts.emplace_back(glm::round(m_grid.csFromWs(grid->wsFromCs(Vec3(0)))) + 1.0);
+    }
+    // The spans that the blocks of grid g have in the row (j, k), or in one beside it.
+    const auto blocksAt = [&](std::size_t g, int j, int k, std::vector<CellSpan>& spans) {
+        const std::vector<Int3>& places = shown[g]->storedBlocks();
+        for (const int atK : {k - kBeside, k + kBeside})
+            for (const int atJ : {j - kBeside, j + kBeside})
+                for (const std::uint32_t b : columns[g].at(atJ - shifts[g][axes[1]], atK - shifts[g][axes[2]])) {
+                    const int i = places[b][axes[0]] * kCellEdge + shifts[g][axes[0]];
+                    spans.push_back({i - kBeside, i + kCellEdge + kBeside});
+                }
+    };
+    const auto across = std::size_t(size[1]);
+    return RowSpans::of(across * std::size_t(size[2]), [&](std::size_t row, std::vector<CellSpan>& spans) {
+        if (wanted.empty(row)) return;
+        std::vector<CellSpan> blocks;
+        for (std::size_t g = 0; g < shown.size(); ++g)
+            blocksAt(g, static_cast<int>(row % across), static_cast<int>(row / across), blocks);
+        for (const CellSpan& own : wanted.row(row))
+            for (const CellSpan& block : blocks)
+                spans.push_back({std::max(own.begin, block.begin), std::min(own.end, block.end)});
+    });
 }
 
 // Finds the places of rows in memory. Cell 0 of the first one would be before the first that is kept.
-void CellSlices::keepRows(bool values) {
+void CellSlices::keepRows() {
     const std::size_t lead = std::size_t(size[0]) + 1;
     std::size_t at = lead;
-    m_kept.assign(full.size(), {});
-    m_rowAt.assign(full.size(), 0);
-    m_sumAt.assign(wanted.size(), 0);
+    m_kept.assign(std::size_t(size[1] + 2) * std::size_t(size[2]), {});
+    m_rowAt.assign(m_kept.size(), 0);
+    const std::size_t rows = std::size_t(size[1]) * std::size_t(size[2]);
+    m_sumAt.assign(rows, 0);
     m_sliceAt.clear();
     for (int k = 0; k < size[2]; ++k)
         for (int j = -1; j <= size[1]; ++j) {
             const std::size_t row = paddedRow(j, k);
             CellSpan& kept = m_kept[row];
             for (int near = std::max(j - 1, -1); near <= std::min(j + 1, size[1]); ++near)
-                kept = kept.with(full[paddedRow(near, k)]);
-            if (j >= 0 && j < size[1]) kept = kept.with(wanted[rowIndex(j, k)]);
+                kept = kept.with(full.around(paddedRow(near, k)));
+            if (j >= 0 && j < size[1]) kept = kept.with(wanted.around(rowIndex(j, k)));
             // Rays find values between the cells of two rows.
-            for (int near = std::max(j - 1, 0); values && near <= std::min(j + 1, size[1] - 1); ++near) {
-                const CellSpan& span = wanted[rowIndex(near, k)];
+            for (int near = std::max(j - 1, -1); beside.rows() > 0 && near <= j; ++near) {
+                const CellSpan span = beside.around(paddedRow(near, k));
                 if (!span.empty()) kept = kept.with({span.begin - 2, span.end + 2});
             }
             if (kept.empty()) continue;
@@ -179,29 +284,14 @@ void CellSlices::keepRows(bool values) {
         }
     clear(m_extinction, at);
     at = lead;
-    for (std::size_t row = 0; row < wanted.size(); ++row) {
+    for (std::size_t row = 0; row < rows; ++row) {
         if (row % std::size_t(size[1]) == 0) m_sliceAt.push_back(at);
-        if (wanted[row].empty()) continue;
-        m_sumAt[row] = at - std::size_t(wanted[row].begin);
-        at += std::size_t(wanted[row].end - wanted[row].begin) + kRowSlack;
+        const CellSpan own = wanted.around(row);
+        if (own.empty()) continue;
+        m_sumAt[row] = at - std::size_t(own.begin);
+        at += std::size_t(own.end - own.begin) + kRowSlack;
     }
     m_sliceAt.push_back(at);
-}
-
-void CellSlices::findWanted(int reach) {
-    std::vector<CellSpan> along(wanted.size());
-    for (int k = 0; k < size[2]; ++k)
-        for (int j = 0; j < size[1]; ++j)
-            for (int near = std::max(j - reach, 0); near <= std::min(j + reach, size[1] - 1); ++near)
-                along[rowIndex(j, k)] = along[rowIndex(j, k)].with(full[paddedRow(near, k)]);
-    for (int k = 0; k < size[2]; ++k)
-        for (int j = 0; j < size[1]; ++j) {
-            CellSpan span;
-            for (int near = std::max(k - reach, 0); near <= std::min(k + reach, size[2] - 1); ++near)
-                span = span.with(along[rowIndex(j, near)]);
-            CellSpan& here = wanted[rowIndex(j, k)];
-            if (!span.empty()) here = here.with({std::max(span.begin - reach, 0), std::min(span.end + reach, size[0])});
-        }
 }
 
 std::vector<std::pair<std::size_t, Real>> CellSlices::hollow(const Vec3& ws, double radius) {
@@ -230,8 +320,8 @@ void CellSlices::restore(const std::vector<std::pair<std::size_t, Real>>& before
     for (const auto& [at, extinction] : before) m_extinction[at] = extinction;
 }
 
-void CellSlices::clearSums(std::size_t colours) {
-    for (std::size_t c = 0; c < colours; ++c) clear(m_sums[c], m_sliceAt.back());
+void CellSlices::clearSums(std::size_t sums) {
+    for (std::size_t c = 0; c < sums; ++c) clear(m_sums[c], m_sliceAt.back());
 }
 
 template <class Visit, class Wanted>
@@ -248,64 +338,82 @@ void CellSlices::visitCells(CellField& field, const Visit& visit, const Wanted& 
         for (place[axes[2]] = 0; place[axes[2]] < kPaddedEdge; ++place[axes[2]])
             for (place[axes[1]] = 0; place[axes[1]] < kPaddedEdge; ++place[axes[1]]) {
                 const std::size_t row = rowIndex(own[axes[1]] + place[axes[1]], own[axes[2]] + place[axes[2]]);
-                const int from = own[axes[0]], begin = std::max(wanted[row].begin - from, 0),
-                          end = std::min(wanted[row].end - from, kPaddedEdge);
-                if (begin >= end) continue;
-                place[axes[0]] = begin;
-                Real* out = field.block(b) + std::size_t(paddedOffset(place.x, place.y, place.z)) * field.colours();
-                for (; place[axes[0]] < end; ++place[axes[0]], out += step)
-                    visit(first + place, m_sumAt[row] + std::size_t(from + place[axes[0]]), out);
+                const int from = own[axes[0]];
+                for (const CellSpan& span : wanted.row(row)) {
+                    const int begin = std::max(span.begin - from, 0), end = std::min(span.end - from, kPaddedEdge);
+                    if (begin >= end) continue;
+                    place[axes[0]] = begin;
+                    Real* out = field.block(b) + std::size_t(paddedOffset(place.x, place.y, place.z)) * field.colours();
+                    for (; place[axes[0]] < end; ++place[axes[0]], out += step)
+                        visit(first + place, m_sumAt[row] + std::size_t(from + place[axes[0]]), out);
+                }
                 place[axes[0]] = 0;
             }
     });
 }
 
-void CellSlices::sharpen(std::size_t colours, bool steep) {
+void CellSlices::sharpen(std::size_t count, bool steep) {
     constexpr std::array<Real, 3> kPerBend{Real(0.1), Real(0.1), Real(1.0 / 12)};
-    for (std::size_t c = 0; c < colours; ++c) {
+    for (std::size_t c = 0; c < count; ++c) {
         // This slice and the one below it, as they were.
         std::vector<Real> here, below;
         for (int k = 0; k < size[2]; ++k) {
             const std::size_t first = m_sliceAt[std::size_t(k)];
             here.assign(m_sums[c].begin() + static_cast<std::ptrdiff_t>(first),
                         m_sums[c].begin() + static_cast<std::ptrdiff_t>(m_sliceAt[std::size_t(k) + 1]));
-            parallelFor(std::size_t(size[1]), [&](std::size_t row) {
-                const int j = static_cast<int>(row);
-                const CellSpan& span = wanted[rowIndex(j, k)];
-                if (span.empty()) return;
+            const auto sharpenSpan = [&](int j, const CellSpan& span) {
                 // Rows as from one cell before the span to one behind it: 0 where they are not wanted.
-                const auto count = std::size_t(span.end - span.begin) + 2;
-                std::vector<Real> rows(5 * count, Real(0));
+                const auto length = std::size_t(span.end - span.begin) + 2;
+                std::vector<Real> rows(5 * length, Real(0));
                 const auto take = [&](std::size_t number, const std::vector<Real>& from, int atJ, int atK) {
                     if (atJ < 0 || atJ >= size[1] || atK < 0 || atK >= size[2]) return;
                     const std::size_t index = rowIndex(atJ, atK),
                                       offset = &from == &m_sums[c] ? 0 : m_sliceAt[std::size_t(atK)];
-                    const CellSpan& other = wanted[index];
-                    const int begin = std::max(other.begin, span.begin - 1), end = std::min(other.end, span.end + 1);
-                    for (int i = begin; i < end; ++i)
-                        rows[number * count + std::size_t(i - span.begin + 1)] =
-                            from[m_sumAt[index] + std::size_t(i) - offset];
+                    for (const CellSpan& other : wanted.row(index)) {
+                        const int begin = std::max(other.begin, span.begin - 1),
+                                  end = std::min(other.end, span.end + 1);
+                        for (int i = begin; i < end; ++i)
+                            rows[number * length + std::size_t(i - span.begin + 1)] =
+                                from[m_sumAt[index] + std::size_t(i) - offset];
+                    }
                 };
                 take(0, here, j, k);
                 take(1, here, j - 1, k);
                 take(2, here, j + 1, k);
                 take(3, below, j, k - 1);
                 take(4, m_sums[c], j, k + 1);
-                sharpenRow(rows, count, kPerBend, steep, sums(c, j, k) + span.begin);
+                sharpenRow(rows, length, kPerBend, steep, sums(c, j, k) + span.begin);
+            };
+            parallelFor(std::size_t(size[1]), [&](std::size_t j) {
+                for (const CellSpan& span : wanted.row(rowIndex(static_cast<int>(j), k)))
+                    sharpenSpan(static_cast<int>(j), span);
             });
             std::swap(here, below);
         }
     }
 }
 
-void CellSlices::addTo(std::size_t colours, std::size_t to, CellField& field) const {
+void CellSlices::addTo(std::size_t first, std::size_t count, std::size_t to, CellField& field) const {
     const auto all = [](const Vec3&) { return true; };
     visitCells(
         field,
         [&](const Int3&, std::size_t from, Real* out) {
-            for (std::size_t c = 0; c < colours; ++c) out[to + c] += m_sums[c][from];
+            for (std::size_t c = 0; c < count; ++c) out[to + c] += m_sums[first + c][from];
         },
         all);
+}
+
+void CellSlices::markBlocks(Real least, std::vector<bool>& marked) const {
+    visitRows(m_grid, [&](std::size_t row, int i, std::size_t cell, std::size_t) {
+        const std::size_t b = cell / kBlockCells;
+        if (marked[b]) return;
+        const int k = static_cast<int>(row / std::size_t(size[1] + 2)),
+                  j = static_cast<int>(row % std::size_t(size[1] + 2)) - 1;
+        const std::size_t own = rowIndex(j, k);
+        for (const CellSpan& span : wanted.row(own))
+            for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
+                if (m_sums[0][m_sumAt[own] + std::size_t(at)] > least) marked[b] = true;
+    });
 }
 
 void CellSlices::addFarLight(const LampField& lamp, int colour, CellField& far) const {
@@ -335,11 +443,10 @@ void CellSlices::addFarLight(const LampField& lamp, int colour, CellField& far) 
 }
 
 std::size_t CellSlices::bytes() const {
-    return (m_extinction.size() + m_sums[0].size() + m_sums[1].size() + m_sums[2].size() + 4 * m_facing[0].size() +
-            m_values.size()) *
-               sizeof(Real) +
-           full.size() * (2 * sizeof(CellSpan) + sizeof(std::size_t)) +
-           wanted.size() * (sizeof(CellSpan) + sizeof(std::size_t));
+    std::size_t values = m_extinction.size() + m_values.size() + 4 * m_facing[0].size();
+    for (const std::vector<Real>& sums : m_sums) values += sums.size();
+    return values * sizeof(Real) + m_kept.size() * (sizeof(CellSpan) + sizeof(std::size_t)) +
+           m_sumAt.size() * sizeof(std::size_t) + full.bytes() + crossed.bytes() + beside.bytes() + wanted.bytes();
 }
 
 }  // namespace scrim

@@ -7,9 +7,9 @@
 #include <scrim/engine/cells/cell_grid.h>
 #include <scrim/engine/cells/surface_cells.h>
 #include <scrim/engine/lamps/lamp_field.h>
+#include <scrim/engine/passes/row_spans.h>
 #include <scrim/geometry/spaces.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -19,27 +19,21 @@
 
 namespace scrim {
 
-/// Elements behind each row that vectors may read or write.
-inline constexpr int kRowSlack = 8;
-
-struct CellSpan {
-    int begin = 0, end = 0;
-    bool empty() const { return begin >= end; }
-    /// The smallest span that contains both.
-    CellSpan with(const CellSpan& o) const {
-        return empty() ? o : o.empty() ? *this : CellSpan{std::min(begin, o.begin), std::max(end, o.end)};
-    }
-};
-
 /// A box of cells as slices; within a slice there are rows along `i`, one beside the other along `j`. Coordinates are
 /// in cells from the corner of the box, which is one cell larger on each side than the grid's stored blocks, because
 /// light is looked up between the centres of cells. Rows keep only those cells that are used.
 class CellSlices {
   public:
-    std::array<int, 3> axes{};     ///< the axes of the world along which i, j and the slices run
-    std::array<int, 3> size{};     ///< in cells: along i, along j, number of slices
-    std::vector<CellSpan> full;    ///< for each row, with an empty one around each slice: where there is extinction
-    std::vector<CellSpan> wanted;  ///< for each row, without those around: cells whose light is looked up
+    std::array<int, 3> axes{};  ///< the axes of the world along which i, j and the slices run
+    std::array<int, 3> size{};  ///< in cells: along i, along j, number of slices
+    RowSpans full;              ///< by `paddedRow`: where there is extinction
+    RowSpans crossed;           ///< by `paddedRow`: where there is some in this row or the next one of the slice
+    RowSpans beside;            ///< by `paddedRow`: where values of a field may be read in this row and the next one
+    RowSpans wanted;            ///< by `rowIndex`: cells whose light is looked up
+    /// For each slice the rows j that have any of these; those of `crossed` and `beside` are j + 1.
+    std::vector<std::vector<int>> crossedRows, besideRows, wantedRows;
+
+    static constexpr std::size_t kMostSums = 6;
 
     /// `grid` must outlive this object.
     explicit CellSlices(const CellGrid& grid) : m_grid(grid) {}
@@ -52,9 +46,9 @@ class CellSlices {
     /// The extinction, per cell edge, of row j of slice k, as from i = 0 on. It may be read where a row is wanted, or
     /// this one or one beside it is full, and from one cell before that to kRowSlack behind. It is 0 beyond the box.
     const Real* row(int j, int k) const { return m_extinction.data() + m_rowAt[paddedRow(j, k)]; }
-    /// The result: the light of one colour in row j of slice k, as from i = 0 on. Only where the row is wanted; up to
-    /// kRowSlack cells behind that may be written.
-    Real* sums(std::size_t colour, int j, int k) { return m_sums[colour].data() + m_sumAt[rowIndex(j, k)]; }
+    /// The result: one of kMostSums sums of light, such as that of a colour, in row j of slice k, as from i = 0 on.
+    /// Only where the row is wanted; up to kRowSlack cells behind that may be written.
+    Real* sums(std::size_t sum, int j, int k) { return m_sums[sum].data() + m_sumAt[rowIndex(j, k)]; }
 
     /// A world vector's components in the order of i, j and slices.
     Vec3 reordered(const Vec3& ws) const { return {ws[axes[0]], ws[axes[1]], ws[axes[2]]}; }
@@ -67,8 +61,9 @@ class CellSlices {
     /// second order have of the profile, scaled so that towards the corners of `wsVolumes` its mean is the profile's.
     std::tuple<double, Vec3, Mat3> seriesOf(const Light& light, const Bounds& wsVolumes) const;
 
-    /// Takes the normals of surfaces in the grid's cells, in the axes of the slices, and their weights.
-    void face(const SurfaceCells& surfaces);
+    /// Takes the normals of surfaces in the cells of `of`, which are those of the grid, in the axes of the slices, and
+    /// their weights. Elsewhere they are 0.
+    void face(const CellGrid& of, const SurfaceNormals& normals);
     /// The normal's components along i, j and the slices (0, 1, 2) and its weight (3) in row j of slice k, as `sums`
     /// has light.
     const Real* facing(std::size_t part, int j, int k) const { return m_facing[part].data() + m_sumAt[rowIndex(j, k)]; }
@@ -79,19 +74,18 @@ class CellSlices {
     const ExtinctionIntegral* integral() const { return m_integral; }
     /// The field's values, as `row` has the extinction.
     const Real* values(int j, int k) const { return m_values.data() + m_rowAt[paddedRow(j, k)]; }
-    /// The cells of rows j and j + 1 of slice k whose values may be read.
-    CellSpan withValues(int j, int k) const;
-
     /// Takes the grid's extinction, per world unit. Light is wanted up to `reach` cells from where there is any.
-    /// `values`: those of a field will be asked for, around where light is wanted.
-    void fill(const std::vector<Real>& perWorldUnit, int reach, bool values = false);
+    /// `values`: those of a field will be asked for.
+    /// `shown`: grids of the same cells; light is wanted in their blocks alone, and beside them. None: everywhere.
+    void fill(const std::vector<Real>& perWorldUnit, int reach, bool values = false,
+              const std::vector<const CellGrid*>& shown = {});
     /// Takes another extinction, which is 0 where that of `fill` was. Light is wanted where it was.
     void refill(const std::vector<Real>& perWorldUnit);
     /// Takes out the extinction within a sphere, so that rays from within begin at its surface. Returns what `restore`
     /// needs to undo it.
     std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius);
     void restore(const std::vector<std::pair<std::size_t, Real>>& before);
-    void clearSums(std::size_t colours);
+    void clearSums(std::size_t sums);
     /// Subtracts from each sum the mean error of linear interpolation: d / 12 along the axis of the slices and d / 10
     /// along each axis within a slice, where d is the second difference along the axis. 1 / 12 is the error of
     /// interpolation between the centres of cells; within a slice, light is also interpolated from rays to cells. The
@@ -99,33 +93,37 @@ class CellSlices {
     /// is not wanted is left out.
     /// `steep`: light falls as exponentials do, as it does below surfaces. Of such a one, with q = d / value, about
     /// 1 - (1 + q / 3)^(-1/4) is too much, which is q / 12 for small q.
-    void sharpen(std::size_t colours, bool steep);
-    /// Adds the sums to a field, from its colour `to` on. Its grid may have other blocks of the same cells.
-    void addTo(std::size_t colours, std::size_t to, CellField& field) const;
+    void sharpen(std::size_t count, bool steep);
+    /// Adds `count` sums from `first` on to a field, from its colour `to` on. Its grid may have other blocks of the
+    /// same cells.
+    void addTo(std::size_t first, std::size_t count, std::size_t to, CellField& field) const;
+    /// Marks the grid's stored blocks that have a cell whose first sum is more than `least`.
+    void markBlocks(Real least, std::vector<bool>& marked) const;
     /// Adds to `far` the light of `lamp`, whose transmittance the sums are, at cells far from it. `colour`: the only
     /// one that the sums are for; -1: all.
     void addFarLight(const LampField& lamp, int colour, CellField& far) const;
     std::size_t bytes() const;
 
   private:
-    void findWanted(int reach);
-    void keepRows(bool values);
+    RowSpans near(int reach) const;
+    RowSpans within(const std::vector<const CellGrid*>& shown) const;
+    void keepRows();
     // Calls visit(cell of the field's grid, light of the row from that cell on, values of the field) for all wanted
     // cells of the blocks whose centre, in cells of that grid, `wantsBlock`, in parallel.
     template <class Visit, class Wanted>
     void visitCells(CellField& field, const Visit& visit, const Wanted& wantsBlock) const;
-    // Calls visit(row, i of its first cell, index of that cell in the grid's values, and its step) for all rows of
-    // cells in stored blocks.
+    // Calls visit(row, i of its first cell, index of that cell in values of `grid`, which has the same cells, and its
+    // step) for all rows of cells in its stored blocks.
     template <class Visit>
-    void visitRows(const Visit& visit) const;
+    void visitRows(const CellGrid& grid, const Visit& visit) const;
 
     const CellGrid& m_grid;
     std::vector<Real> m_extinction;
-    std::vector<CellSpan> m_kept;  // for each row, as `full` has them: cells whose extinction is kept
+    std::vector<CellSpan> m_kept;  // by `paddedRow`: cells whose extinction is kept
     // For each row the element of its cell 0, which need not be kept.
     std::vector<std::size_t> m_rowAt, m_sumAt;
     std::vector<std::size_t> m_sliceAt;  // for each slice, and behind the last: its first element of the sums
-    std::array<std::vector<Real>, 3> m_sums;
+    std::array<std::vector<Real>, kMostSums> m_sums;
     std::array<std::vector<Real>, 4> m_facing;
     std::vector<Real> m_values;  // as m_extinction
     const ExtinctionIntegral* m_integral = nullptr;

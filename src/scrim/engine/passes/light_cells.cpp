@@ -5,6 +5,7 @@
 #include <scrim/engine/cells/cell_media.h>
 #include <scrim/engine/lamps/lamp.h>
 #include <scrim/engine/model/sub_lights.h>
+#include <scrim/engine/passes/lit_surfaces.h>
 #include <scrim/engine/passes/sky_peaks.h>
 #include <scrim/engine/passes/sources.h>
 
@@ -57,15 +58,14 @@ HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& vi
             Raster raster = make(m, memory);
             for (int step = 0; step < box.size[2] && next < std::numeric_limits<std::size_t>::max() / 2; ++step) {
                 if (step % 8 == 0 && std::this_thread::get_id() == caller) checkpoint();
-                for (int row = 0; box.integral() && raster.reaches(step) && row < raster.rows(); ++row)
-                    raster.attenuateTo(step, row);
+                const bool reached = raster.reaches(step);
+                if (box.integral() && reached) raster.attenuateTo(step);
                 while (m > 0 && passed[m - 1].load(std::memory_order_acquire) <= step) std::this_thread::yield();
-                for (int j = 0; raster.reaches(step) && j < box.size[1]; ++j)
-                    if (!box.wanted[box.rowIndex(j, raster.slice(step))].empty())
+                if (reached)
+                    for (const int j : box.wantedRows[std::size_t(raster.slice(step))])
                         raster.light(step, j, view, towards, box);
                 passed[m].store(step + 1, std::memory_order_release);
-                for (int row = 0; !box.integral() && raster.reaches(step) && row < raster.rows(); ++row)
-                    raster.attenuate(step, row);
+                if (!box.integral() && reached) raster.attenuate(step);
             }
         }
     });
@@ -93,7 +93,7 @@ HWY_ATTR void sweepCells(const std::vector<CellRays>& sources, const CellView& v
                          CellSlices& box, const std::function<void()>& checkpoint) {
     if (!view.surface)
         sweepTowards(sources, view, TowardsEye(view), parallel, down, box, checkpoint);
-    else if (view.mirrored)
+    else if (view.surface->specular > 0)
         sweepTowards(sources, view, Reflected<true>(view, box), parallel, down, box, checkpoint);
     else
         sweepTowards(sources, view, Reflected<false>(view, box), parallel, down, box, checkpoint);
@@ -121,7 +121,7 @@ struct Job {
     std::size_t media = 0;                      // index of what holds the light back (addMedia)
     std::vector<WidePhase> wide = {};           // for each light of `sources`; empty: of a lamp, or of surfaces
     int surface = -1;                           // the classified volume that reflects the light; -1: media scatter it
-    bool mirrored = false;                      // the volume's highlights, and not its diffuse part
+    std::shared_ptr<CellField> mirrored = {};   // its highlights, if it has any; `field` has its diffuse part
 };
 
 // One pass of some sources of light through the cells, for one or all colours.
@@ -142,7 +142,6 @@ class Pass {
         view.parallelEye = m_scene.camera.type == CameraType::orthographic;
         if (job.surface >= 0) {
             view.surface = m_scene.volumes[std::size_t(job.surface)].classified.get();
-            view.mirrored = job.mirrored;
         } else if (!lamp) {
             view.phase = octave.phase;
         }
@@ -160,10 +159,12 @@ class Pass {
         const auto end = sources.owners.end();
         for (auto first = sources.owners.begin(), last = first; first != end; first = last) {
             last = std::upper_bound(first, end, *first);
-            slices.clearSums(colours);
+            const std::size_t sums = job.mirrored ? 2 * colours : colours, to = colour < 0 ? 0 : std::size_t(colour);
+            slices.clearSums(sums);
             sweep(job, std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view, slices);
-            if (!lamp && sources.attenuated) slices.sharpen(colours, job.surface >= 0);
-            slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
+            if (!lamp && sources.attenuated) slices.sharpen(sums, job.surface >= 0);
+            slices.addTo(0, colours, to, field);
+            if (job.mirrored) slices.addTo(colours, colours, to, *job.mirrored);
         }
         slices.restore(before);
         if (lamp && job.field) slices.addFarLight(*lamp, colour, *job.field);
@@ -295,12 +296,9 @@ class Jobs {
         return jobs;
     }
 
-    // The jobs of a classified volume: what it reflects becomes that of `light`.
-    void addSurface(std::size_t v, const std::shared_ptr<const CellGrid>& cells, CellLight& light,
-                    std::vector<Job>& jobs) const {
-        const ViewVolume& volume = m_scene.volumes[v];
-        const bool mirrored = light.as == ShownAs::mirrored;
-        if ((mirrored ? volume.classified->specular : volume.classified->diffuse) == 0) return;
+    // The job of a classified volume: what it reflects becomes that of two lights.
+    void addSurface(std::size_t v, const std::shared_ptr<const CellGrid>& cells, CellLight& diffuse,
+                    CellLight& mirrored, std::vector<Job>& jobs) const {
         const std::vector<ServedLight> served = servedLights(m_scene, m_group);
         std::vector<int> lit;
         for (const int i : m_group)
@@ -308,11 +306,15 @@ class Jobs {
         if (lit.empty()) return;
         Sources sources = coloured(sourcesOf(m_scene, lit));
         if (sources.lights.empty()) return;
-        const auto field = std::make_shared<CellField>(cells, static_cast<int>(sources.colours), sources.tint);
-        Job& job = jobs.emplace_back(Job{lit.front(), std::move(sources), {}, field});
+        const auto kept = [&](CellLight& light) {
+            const auto field = std::make_shared<CellField>(cells, static_cast<int>(sources.colours), sources.tint);
+            light.ofVolume[v] = std::make_shared<const VolumeLight>(VolumeLight{field, {}});
+            return field;
+        };
+        Job job{lit.front(), sources, {}, kept(diffuse)};
         job.surface = static_cast<int>(v);
-        job.mirrored = mirrored;
-        light.ofVolume[v] = std::make_shared<const VolumeLight>(VolumeLight{field, {}});
+        if (m_scene.volumes[v].classified->specular > 0) job.mirrored = kept(mirrored);
+        jobs.push_back(std::move(job));
     }
 
   private:
@@ -380,50 +382,6 @@ class Jobs {
     bool m_grey, m_lamps;
 };
 
-// The surfaces of classified volumes in cells, and the cells that keep what they reflect. By volume; null: it is none.
-class AllSurfaces {
-  public:
-    AllSurfaces(const ViewScene& scene, const CellGrid& grid, const Vec3& wsCorner, double margin)
-        : m_cells(scene.volumes.size()), m_grids(scene.volumes.size()) {
-        for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-            const ViewVolume& volume = scene.volumes[v];
-            if (!volume.classified || volume.field->empty()) continue;
-            const Kernel kernel = volume.kernel.value_or(scene.dials.kernel);
-            m_cells[v] = std::make_unique<const SurfaceCells>(surfaceCells(grid, volume, kernel, voxelUnit(scene)));
-            if (volume.holdout) continue;
-            m_grids[v] = std::make_shared<const CellGrid>(grid.edge(), m_cells[v]->boxes(grid, margin), wsCorner);
-        }
-        if (m_cells.size() == 1 && m_cells.front() && isByValueAlone(scene.volumes.front())) {
-            const ViewVolume& only = scene.volumes.front();
-            m_integral.emplace(*only.classified, double(only.field->maxValue));
-        }
-    }
-    const SurfaceCells& cells(int volume) const { return *m_cells[std::size_t(volume)]; }
-    const std::shared_ptr<const CellGrid>& grid(std::size_t volume) const { return m_grids[volume]; }
-    // Adds the extinction of those that `casters` has to that of media.
-    void addTo(CellMedia& media, const std::vector<bool>& casters) const {
-        for (std::size_t v = 0; v < m_cells.size(); ++v)
-            for (std::vector<Real>& row : media.extinction)
-                for (std::size_t cell = 0; m_cells[v] && casters[v] && cell < row.size(); ++cell)
-                    row[cell] += m_cells[v]->extinction[cell];
-    }
-    bool byValue() const { return m_integral.has_value(); }
-    // If a single volume, whose value alone counts, holds light back, its values do so more exactly than extinction.
-    void classify(CellSlices& slices) const {
-        if (m_integral) slices.classify(m_cells.front().get(), &*m_integral);
-    }
-    std::size_t bytes() const {
-        std::size_t sum = 0;
-        for (const auto& cells : m_cells) sum += cells ? cells->bytes() : 0;
-        return sum;
-    }
-
-  private:
-    std::optional<ExtinctionIntegral> m_integral;
-    std::vector<std::unique_ptr<const SurfaceCells>> m_cells;
-    std::vector<std::shared_ptr<const CellGrid>> m_grids;
-};
-
 // The volumes that have extinction in cells, and those of them that are no surfaces.
 std::vector<bool> withVoxels(const ViewScene& scene) {
     std::vector<bool> all;
@@ -436,7 +394,7 @@ std::vector<bool> mediaAmong(const ViewScene& scene, std::vector<bool> volumes) 
 }
 
 // Adds to `media`, which holds those of all volumes, those of the volumes alone that hold back the light of a job.
-void addMedia(const ViewScene& scene, const Vec3& wsCorner, double margin, Simd simd, const AllSurfaces& surfaces,
+void addMedia(const ViewScene& scene, const Vec3& wsCorner, double margin, Simd simd, const LitSurfaces& surfaces,
               std::vector<Job>& jobs, std::vector<CellMedia>& media) {
     std::vector<std::vector<bool>> sets{withVoxels(scene)};
     for (Job& job : jobs) {
@@ -451,9 +409,39 @@ void addMedia(const ViewScene& scene, const Vec3& wsCorner, double margin, Simd 
     }
 }
 
+// Of the grid's stored blocks, those that the eye sees something of, through surfaces alone. Light need not be known
+// where less than kUnseen of it would come through.
+std::vector<bool> blocksSeen(const ViewScene& scene, const CellGrid& grid, const LitSurfaces& surfaces, int reach,
+                             Simd simd, const std::function<void()>& checkpoint) {
+    constexpr double kUnseen = 1e-4;
+    std::vector<bool> hiding;
+    for (const ViewVolume& volume : scene.volumes) hiding.push_back(!volume.holdout);
+    std::vector<Real> extinction(grid.cells(), Real(0));
+    surfaces.addTo(extinction, hiding);
+    CellSlices slices(grid);
+    std::vector<bool> seen(grid.storedBlocks().size(), false);
+    for (int axis = 0; axis < 3; ++axis) {
+        slices.layAlong(axis);
+        slices.fill(extinction, reach, surfaces.byValue());
+        surfaces.classify(slices);
+        slices.clearSums(1);
+        CellRays rays{.parallel = scene.camera.type == CameraType::orthographic,
+                      .way = slices.reordered(viewingAxis(scene.camera)),
+                      .from = slices.place(scene.camera.wsPosition + grid.edge() * Vec3(1e-4, 1.1e-4, 1.2e-4))};
+        rays.weight[0] = 1;
+        if (rays.parallel && axisOfLargest(glm::abs(viewingAxis(scene.camera))) != axis) continue;
+        const CellView view;
+        for (const bool down : {false, true})
+            if (!rays.parallel || down == (rays.way.z < 0))
+                SCRIM_ON_TARGET(simd, sweepCells)({rays}, view, rays.parallel, down, slices, checkpoint);
+        slices.markBlocks(static_cast<Real>(kUnseen / (4 * std::numbers::pi)), seen);
+    }
+    return seen;
+}
+
 // The jobs for these lights, whose fields become those of `all`.
 std::vector<Job> allJobs(const ViewScene& scene, const std::vector<int>& lights,
-                         const std::shared_ptr<const CellGrid>& grid, const AllSurfaces& surfaces, bool grey,
+                         const std::shared_ptr<const CellGrid>& grid, const LitSurfaces& surfaces, bool grey,
                          std::vector<CellLight>& all) {
     std::vector<Job> jobs;
     std::map<int, std::shared_ptr<CellField>> open;  // by lamp
@@ -480,8 +468,7 @@ std::vector<Job> allJobs(const ViewScene& scene, const std::vector<int>& lights,
             jobs.push_back(std::move(job));
         }
         for (std::size_t v = 0; v < scene.volumes.size(); ++v)
-            for (CellLight* light : {&diffuse, &mirrored})
-                if (surfaces.grid(v)) make.addSurface(v, surfaces.grid(v), *light, jobs);
+            if (surfaces.grid(v)) make.addSurface(v, surfaces.grid(v), diffuse, mirrored, jobs);
         for (CellLight* light : {&direct, &again, &diffuse, &mirrored}) keep(std::move(*light));
     }
     return jobs;
@@ -492,26 +479,46 @@ std::size_t bytesOf(const std::vector<Job>& jobs) {
     std::set<const CellField*> fields;
     std::size_t bytes = 0;
     for (const Job& job : jobs) {
-        for (const CellField* field : {job.field.get(), job.open.get()})
+        for (const CellField* field : {job.field.get(), job.open.get(), job.mirrored.get()})
             if (field && fields.insert(field).second) bytes += field->bytes();
         if (job.lamp) bytes += job.lamp->bytes();
     }
     return bytes;
 }
 
+// Fills what solids let through of the lamps' light.
+void passOpen(const std::vector<Job>& jobs, const Pass& pass, CellSlices& slices) {
+    std::set<const CellField*> opened;  // octaves of a lamp share it
+    for (const Job& job : jobs) {
+        if (!job.open || !opened.insert(job.open.get()).second) continue;
+        constexpr int kForEdges = 4;  // times as many points, whose shadows have edges
+        Sources open = sourcesOfLamp(job.lamp->lamp(), kForEdges * static_cast<int>(job.sources.lights.size()));
+        open.attenuated = false;
+        open.blocked = true;
+        pass.add(Job{job.first, std::move(open), {}, job.open}, -1, slices);
+    }
+}
+
 }  // namespace
 
 std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<int>& lights, double edge, Simd simd,
                                     const std::function<void()>& checkpoint, std::size_t& bytes) {
-    // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them.
-    const double margin = (kernelRadius(scene) + 0.75 * scene.dials.sheetThickness) * voxelUnit(scene);
+    // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them. Cells of
+    // surfaces know where these begin; only texels blur that.
+    const bool alone = std::ranges::none_of(
+        scene.volumes, [](const ViewVolume& volume) { return !volume.classified && !volume.field->empty(); });
+    const double sheets = 0.75 * scene.dials.sheetThickness, kernels = kernelRadius(scene);
+    const double margin = (kernels + sheets) * voxelUnit(scene);
+    const double near = (alone ? std::min(scene.dials.texel, kernels) + sheets : kernels + sheets) * voxelUnit(scene);
     const Vec3 wsCorner = cornerOfVoxels(scene, edge);
     const std::vector<bool> volumes = withVoxels(scene);
     std::vector<CellMedia> media{
         cellMedia(scene, {}, edge, simd, {wsCorner, margin, false, mediaAmong(scene, volumes)})};
-    const int reach = 1 + static_cast<int>(std::ceil(margin / edge));
+    const int reach = 1 + static_cast<int>(std::ceil(near / edge));
     const auto grid = std::make_shared<const CellGrid>(media.front().grid);
-    const AllSurfaces surfaces(scene, *grid, wsCorner, margin);
+    LitSurfaces surfaces(scene, *grid);
+    if (!surfaces.none()) surfaces.show(blocksSeen(scene, *grid, surfaces, reach, simd, checkpoint), wsCorner, near);
+    const std::vector<const CellGrid*> shown = alone ? surfaces.grids() : std::vector<const CellGrid*>();
     surfaces.addTo(media.front(), volumes);
     const std::size_t rows = media.front().extinction.size();
     const bool grey = rows == 1;
@@ -526,25 +533,17 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
         slices.layAlong(axis);
         for (std::size_t i = 0; i < rows * media.size(); ++i) {
             const std::size_t c = i / media.size(), m = i % media.size();
-            m == 0 ? slices.fill(media[m].extinction[c], reach, surfaces.byValue())
+            m == 0 ? slices.fill(media[m].extinction[c], reach, surfaces.byValue(), shown)
                    : slices.refill(media[m].extinction[c]);
             for (const Job& job : jobs) {
                 if (job.media != m) continue;
-                if (job.surface >= 0) slices.face(surfaces.cells(job.surface));
+                if (job.surface >= 0) surfaces.face(job.surface, slices);
                 if (m == 0 && job.sources.attenuated) surfaces.classify(slices);
                 pass.add(job, grey ? -1 : static_cast<int>(c), slices);
                 slices.classify(nullptr, nullptr);
             }
         }
-        std::set<const CellField*> opened;  // octaves of a lamp share it
-        for (const Job& job : jobs) {
-            if (!job.open || !opened.insert(job.open.get()).second) continue;
-            constexpr int kForEdges = 4;  // times as many points, whose shadows have edges
-            Sources open = sourcesOfLamp(job.lamp->lamp(), kForEdges * static_cast<int>(job.sources.lights.size()));
-            open.attenuated = false;
-            open.blocked = true;
-            pass.add(Job{job.first, std::move(open), {}, job.open}, -1, slices);
-        }
+        passOpen(jobs, pass, slices);
         most = std::max(most, slices.bytes());
     }
     for (const Job& job : jobs)

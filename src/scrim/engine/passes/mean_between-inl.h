@@ -2,19 +2,15 @@
 // Internal, compiled once for each instruction set: extinction along rays by the values of a classified field, as
 // sheets have it (splat/transfer_table.h): its mean between the values where rays cross two slices is exact if the
 // field is linear between them, however much the transfer function bends.
-#if defined(SCRIM_VALUES_BEFORE_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SCRIM_VALUES_BEFORE_INL_H_
-#undef SCRIM_VALUES_BEFORE_INL_H_
+#if defined(SCRIM_MEAN_BETWEEN_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCRIM_MEAN_BETWEEN_INL_H_
+#undef SCRIM_MEAN_BETWEEN_INL_H_
 #else
-#define SCRIM_VALUES_BEFORE_INL_H_
+#define SCRIM_MEAN_BETWEEN_INL_H_
 #endif
 
 #include <scrim/engine/cells/surface_cells.h>
-#include <scrim/engine/passes/cell_slices.h>
 #include <scrim/engine/simd-inl.h>
-
-#include <cstddef>
-#include <vector>
 
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
@@ -39,30 +35,6 @@ HWY_ATTR HWY_INLINE V8 meanBetween(const ExtinctionIntegral& of, V8 a, V8 b) {
     const V8 far = hn::Div(hn::Mul(hn::Sub(integral(y), integral(x)), scale), apart);
     return hn::IfThenElse(hn::Gt(hn::Abs(apart), value8(1)), hn::Max(far, hn::Zero(d)), near);
 }
-
-/// The values of the field that rays of a raster met in the slice before, and which rays these were.
-class ValuesBefore {
-  public:
-    void begin(std::size_t rows, std::size_t stride) {
-        m_stride = stride;
-        m_values.assign(rows * stride, Real(-1));
-        m_met.assign(rows, {});
-    }
-    /// Of rays `met` of a row of the raster, which are met now; those that were met before and are not now begin anew.
-    Real* of(std::size_t row, const CellSpan& met) {
-        Real* values = m_values.data() + row * m_stride;
-        const CellSpan& old = m_met[row];
-        for (int p = old.begin; p < old.end; ++p)
-            if (p < met.begin || p >= met.end) values[p] = -1;
-        m_met[row] = met;
-        return values;
-    }
-
-  private:
-    std::size_t m_stride = 0;
-    std::vector<Real> m_values;
-    std::vector<CellSpan> m_met;
-};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace scrim

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/passes/lit_surfaces.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace scrim {
+
+LitSurfaces::LitSurfaces(const ViewScene& scene, const CellGrid& grid)
+    : m_scene(scene),
+      m_grid(grid),
+      m_cells(scene.volumes.size()),
+      m_grids(scene.volumes.size()),
+      m_normals(scene.volumes.size()) {
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        const ViewVolume& volume = scene.volumes[v];
+        if (!volume.classified || volume.field->empty()) continue;
+        const Kernel kernel = volume.kernel.value_or(scene.dials.kernel);
+        m_cells[v] = std::make_unique<const SurfaceCells>(surfaceCells(grid, volume, kernel, voxelUnit(scene)));
+    }
+    if (m_cells.size() == 1 && m_cells.front() && isByValueAlone(scene.volumes.front())) {
+        const ViewVolume& only = scene.volumes.front();
+        m_integral.emplace(*only.classified, double(only.field->maxValue));
+    }
+}
+
+bool LitSurfaces::none() const {
+    return std::ranges::none_of(m_cells, [](const auto& cells) { return cells != nullptr; });
+}
+
+void LitSurfaces::show(const std::vector<bool>& seen, const Vec3& wsCorner, double margin) {
+    for (std::size_t v = 0; v < m_cells.size(); ++v) {
+        const ViewVolume& volume = m_scene.volumes[v];
+        if (!m_cells[v] || volume.holdout) continue;
+        m_grids[v] = std::make_shared<const CellGrid>(m_grid.edge(), m_cells[v]->boxes(m_grid, seen, margin), wsCorner);
+        const Kernel kernel = volume.kernel.value_or(m_scene.dials.kernel);
+        m_normals[v] = surfaceNormals(*m_grids[v], volume, kernel, voxelUnit(m_scene));
+    }
+}
+
+void LitSurfaces::face(int volume, CellSlices& slices) const {
+    slices.face(*m_grids[std::size_t(volume)], m_normals[std::size_t(volume)]);
+}
+
+std::vector<const CellGrid*> LitSurfaces::grids() const {
+    std::vector<const CellGrid*> all;
+    for (const auto& grid : m_grids)
+        if (grid) all.push_back(grid.get());
+    return all;
+}
+
+void LitSurfaces::addTo(std::vector<Real>& extinction, const std::vector<bool>& volumes) const {
+    for (std::size_t v = 0; v < m_cells.size(); ++v)
+        for (std::size_t cell = 0; m_cells[v] && volumes[v] && cell < extinction.size(); ++cell)
+            extinction[cell] += m_cells[v]->extinction[cell];
+}
+
+void LitSurfaces::classify(CellSlices& slices) const {
+    if (m_integral) slices.classify(m_cells.front().get(), &*m_integral);
+}
+
+std::size_t LitSurfaces::bytes() const {
+    std::size_t sum = 0;
+    for (const auto& cells : m_cells) sum += cells ? cells->bytes() : 0;
+    for (const SurfaceNormals& normals : m_normals) sum += normals.size() * normals[0].size() * sizeof(Real);
+    return sum;
+}
+
+}  // namespace scrim
