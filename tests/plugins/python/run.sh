@@ -5,6 +5,6 @@ set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 build="$(cd "${1:?usage: run.sh BUILD_DIR}" && pwd)"
 shift
-# What hangs shows where, and ends.
+# Files side by side on all cores. What hangs shows where, and ends.
 PYTHONPATH="$build/python" PYTHONDONTWRITEBYTECODE=1 timeout 1800 "$build/python-venv/bin/python" -m pytest -q \
-    -p no:cacheprovider -o faulthandler_timeout=120 "$here" "$@"
+    -n "$(nproc)" --dist loadfile -p no:cacheprovider -o faulthandler_timeout=120 "$here" "$@"
