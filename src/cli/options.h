@@ -64,6 +64,7 @@ struct SceneOptions {
     bool json = false;       ///< for `scrim plan`
     std::string writeDials;  ///< `scrim plan`: the file to write; "": none
     double budget = 0;       ///< for `scrim study`: seconds; 0: none
+    bool steady = false;     ///< for `scrim study`
 };
 
 /// Adds the options that decide what is rendered, for `render` and `plan`. `options` must outlive the parse.
