@@ -246,6 +246,11 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     command.option_defaults()->group("Options");
 }
 
+void addBudget(CLI::App& command, SceneOptions& o) {
+    add(command, "--budget", "SECONDS", "take the finest preset with which a frame should render in this time",
+        [&o](const std::string& t) { o.budget = secondsFrom("--budget", t); });
+}
+
 void addPlanOptions(CLI::App& command, SceneOptions& o) {
     command.add_flag("--json", o.json, "print JSON");
     addFile(command, "--write-dials", "FILE.toml",

@@ -41,11 +41,16 @@ std::string tableOf(const ShotSteadinessResult& result) {
         result.frames.front(), result.frames.back(), result.resolution.x, result.resolution.y, result.seconds,
         result.quality, 100 * result.promised, "layer", "shown", "converged", "excess", "the worst pixel");
     for (const LayerSteadiness& layer : result.layers) {
-        text += fmt::format("{:<24}", layer.name);
-        text += layer.mean > 0 ? fmt::format("{:>7.2f} %{:>10.2f} %{:>7.2f} %   {:.2g} %, ({}, {}) in frame {}\n",
-                                             100 * layer.all.shown, 100 * layer.all.converged, 100 * layer.all.excess,
-                                             100 * layer.worst, layer.worstX, layer.worstY, layer.worstFrame)
-                               : "  black\n";
+        if (layer.mean == 0) {
+            text += fmt::format("{:<24}    black\n", layer.name);
+            continue;
+        }
+        text += fmt::format("{:<24}{:>7.2f} %{:>10.2f} %{:>7.2f} %", layer.name, 100 * layer.all.shown,
+                            100 * layer.all.converged, 100 * layer.all.excess);
+        if (layer.worst > 0)
+            text += fmt::format("   {:.2g} %, ({}, {}) in frame {}", 100 * layer.worst, layer.worstX, layer.worstY,
+                                layer.worstFrame);
+        text += "\n";
     }
     return text;
 }
