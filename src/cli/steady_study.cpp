@@ -37,16 +37,16 @@ std::string tableOf(const ShotSteadinessResult& result) {
     std::string text = fmt::format(
         "frames {} to {}, {} x {} pixels, {:.0f} s; second differences of neighbouring frames, relative to the mean\n"
         "'{}' promises at most {:.2g} % more than converged frames have\n\n"
-        "{:<24}{:>9}{:>12}{:>9}   {}\n",
+        "{:<24}{:>9}{:>12}{:>9}{:>9}   {}\n",
         result.frames.front(), result.frames.back(), result.resolution.x, result.resolution.y, result.seconds,
-        result.quality, 100 * result.promised, "layer", "shown", "converged", "excess", "the worst pixel");
+        result.quality, 100 * result.promised, "layer", "shown", "converged", "excess", "error", "the worst pixel");
     for (const LayerSteadiness& layer : result.layers) {
         if (layer.mean == 0) {
             text += fmt::format("{:<24}    black\n", layer.name);
             continue;
         }
-        text += fmt::format("{:<24}{:>7.2f} %{:>10.2f} %{:>7.2f} %", layer.name, 100 * layer.all.shown,
-                            100 * layer.all.converged, 100 * layer.all.excess);
+        text += fmt::format("{:<24}{:>7.2f} %{:>10.2f} %{:>7.2f} %{:>7.2f} %", layer.name, 100 * layer.all.shown,
+                            100 * layer.all.converged, 100 * layer.all.excess, 100 * layer.all.error);
         if (layer.worst > 0)
             text += fmt::format("   {:.2g} %, ({}, {}) in frame {}", 100 * layer.worst, layer.worstX, layer.worstY,
                                 layer.worstFrame);

@@ -75,6 +75,7 @@ SteadinessMeter::Sums SteadinessMeter::sumsOf(std::size_t layer) const {
             sums.shown += a * a;
             sums.converged += b * b;
             excess += (a - b) * (a - b);
+            sums.error += std::pow(double(shown[1][i]) - double(converged[1][i]), 2);
         }
         sums.excess += excess;
         for (const float* frame : converged) sums.light += lightOf(frame + kChannels * p) / 3;
@@ -94,6 +95,7 @@ std::vector<LayerSteadiness> SteadinessMeter::layers() const {
         Sums all;
         for (const Sums& frame : m_sums[i]) {
             all.shown += frame.shown, all.converged += frame.converged, all.excess += frame.excess;
+            all.error += frame.error;
             all.light += frame.light, all.pixels += frame.pixels;
         }
         if (!(all.light > 0)) continue;
@@ -102,7 +104,7 @@ std::vector<LayerSteadiness> SteadinessMeter::layers() const {
         const auto relative = [&](const Sums& sums) {
             const double values = double(kChannels) * double(std::max<std::size_t>(sums.pixels, 1));
             const auto part = [&](double squares) { return std::sqrt(squares / values) / layer.mean; };
-            return SecondDifferences{part(sums.shown), part(sums.converged), part(sums.excess)};
+            return SecondDifferences{part(sums.shown), part(sums.converged), part(sums.excess), part(sums.error)};
         };
         layer.all = relative(all);
         for (const Sums& frame : m_sums[i]) {

@@ -25,6 +25,9 @@ struct SecondDifferences {
     double shown = 0;      ///< of the frames
     double converged = 0;  ///< of the converged frames
     double excess = 0;     ///< of the difference between the two
+    /// The difference itself, no second difference. One that is new in each frame has an excess of 2.4 times of it, one
+    /// that stands has none.
+    double error = 0;
 };
 
 struct LayerSteadiness {
@@ -60,7 +63,7 @@ class SteadinessMeter {
     /// Sums over the pixels that count, of the frame in the middle of three.
     struct Sums {
         int frame = 0;
-        double shown = 0, converged = 0, excess = 0;  ///< squares
+        double shown = 0, converged = 0, excess = 0, error = 0;  ///< squares
         double light = 0;
         std::size_t pixels = 0;
         double worst = 0;  ///< mean square

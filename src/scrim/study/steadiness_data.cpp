@@ -12,7 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json differencesJson(const SecondDifferences& d) {
-    return {{"shown", d.shown}, {"converged", d.converged}, {"excess", d.excess}};
+    return {{"shown", d.shown}, {"converged", d.converged}, {"excess", d.excess}, {"error", d.error}};
 }
 
 Json layerJson(const LayerSteadiness& layer, double promised) {
@@ -31,9 +31,9 @@ Json layerJson(const LayerSteadiness& layer, double promised) {
 }  // namespace
 
 std::string steadinessAsCsv(const ShotSteadinessResult& result) {
-    std::string text = "layer,frame,shown,converged,excess\n";
+    std::string text = "layer,frame,shown,converged,excess,error\n";
     const auto add = [&](const std::string& layer, const std::string& frame, const SecondDifferences& d) {
-        text += fmt::format("\"{}\",{},{},{},{}\n", layer, frame, d.shown, d.converged, d.excess);
+        text += fmt::format("\"{}\",{},{},{},{},{}\n", layer, frame, d.shown, d.converged, d.excess, d.error);
     };
     for (const LayerSteadiness& layer : result.layers) {
         add(layer.name, "", layer.all);

@@ -7,17 +7,24 @@
 namespace scrim::test {
 namespace {
 
-using Budget = ProgramTest;
+class Budget : public ProgramTest {
+  protected:
+    /// The picture whose statistics are in budget.json is that of the preset.
+    void expectPictureOf(const std::string& preset) const {
+        runWell({"render", "scene.toml", "--quality", preset, "--stats", "preset.json"});
+        const auto dials = [&](const char* name) {
+            return nlohmann::json::parse(readBytes(file(name))).at(0).at("plan").at("render");
+        };
+        EXPECT_EQ(dials("budget.json"), dials("preset.json"));
+    }
+};
 
 TEST_F(Budget, TakesTheFinestPresetThatFits) {
     const ProgramResult result = runWell({"render", "scene.toml", "--budget", "1000", "--stats", "budget.json"});
     EXPECT_TRUE(contains(result.err, "scene.toml: quality 'ultra', about ")) << result.err;
     EXPECT_TRUE(contains(result.err, " s a frame; an error of ")) << result.err;
     EXPECT_TRUE(contains(result.err, " % is expected, and 0.1 % promised")) << result.err;
-    // The picture is that of the preset.
-    runWell({"render", "scene.toml", "--quality", "ultra", "--stats", "ultra.json"});
-    const auto planIn = [&](const char* name) { return nlohmann::json::parse(readBytes(file(name))).at(0).at("plan"); };
-    EXPECT_EQ(planIn("budget.json").at("render"), planIn("ultra.json").at("render"));
+    expectPictureOf("ultra");
 }
 
 TEST_F(Budget, TakesTheCoarsestWhereNothingFitsAndSaysSo) {
@@ -25,9 +32,7 @@ TEST_F(Budget, TakesTheCoarsestWhereNothingFitsAndSaysSo) {
         runWell({"render", "scene.toml", "--budget", "0.000001", "--stats", "budget.json", "--progress", "none"});
     EXPECT_TRUE(contains(result.err, "scrim: warning: scene.toml: quality 'draft', about ")) << result.err;
     EXPECT_TRUE(contains(result.err, "no preset fits into --budget 1e-06")) << result.err;
-    runWell({"render", "scene.toml", "--quality", "draft", "--stats", "draft.json"});
-    const auto planIn = [&](const char* name) { return nlohmann::json::parse(readBytes(file(name))).at(0).at("plan"); };
-    EXPECT_EQ(planIn("budget.json").at("render"), planIn("draft.json").at("render"));
+    expectPictureOf("draft");
 }
 
 TEST_F(Budget, KeepsTheDialsThatASceneStates) {

@@ -58,7 +58,7 @@ TEST_F(StudyCommand, FindsAShotSteady) {
         EXPECT_GT(layer.at("pixels"), 3 * 100);
     }
     EXPECT_TRUE(contains(json.at("render"), "quality = \"standard\"")) << json.at("render");
-    EXPECT_EQ(readBytes(file("out/steady.csv")).rfind("layer,frame,shown,converged,excess\n\"beauty\",,", 0), 0u);
+    EXPECT_EQ(readBytes(file("out/steady.csv")).rfind("layer,frame,shown,converged,excess,error\n\"beauty\",,", 0), 0u);
 }
 
 // Texels of six voxels jump from one pattern to another as they turn with the sun.
