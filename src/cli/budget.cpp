@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "budget.h"
 
+#include "interrupt.h"
+
 #include <scrim/base/error.h>
 #include <scrim/scene/quality.h>
 #include <scrim/scene/toml_text.h>
@@ -51,6 +53,7 @@ void takePresetWithin(SceneInput& input, const SceneOptions& options, Console& c
     RenderOptions silent = renderOptionsOf(options, {});
     silent.crop = input.crop();
     silent.verify = 0;
+    silent.progress = [](double) { return interruptSignal() == 0; };
     silent.change = [&input](Scene& scene) { input.change(scene); };
     std::vector<Expected> all;
     for (const std::string& preset : presetNames()) {
@@ -59,7 +62,7 @@ void takePresetWithin(SceneInput& input, const SceneOptions& options, Console& c
         if (all.back().plan.skipped) return;
     }
     // How fast the machine is, the coarsest preset tells; if even that is far beyond the budget, nobody waits for it.
-    constexpr double kHopeless = 10;
+    constexpr double kHopeless = 3;
     double scale = 1, beside = 0;
     if (all.front().plan.seconds < kHopeless * options.budget) {
         take(input, all.front().preset);

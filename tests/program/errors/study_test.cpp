@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <map>
+
 namespace scrim::test {
 namespace {
 
@@ -59,6 +61,37 @@ TEST_F(StudyCommand, FindsAShotSteady) {
     }
     EXPECT_TRUE(contains(json.at("render"), "quality = \"standard\"")) << json.at("render");
     EXPECT_EQ(readBytes(file("out/steady.csv")).rfind("layer,frame,shown,converged,excess,error\n\"beauty\",,", 0), 0u);
+}
+
+// Four more motions that shots have, with a ramp of densities in place of the box's edges.
+TEST_F(StudyCommand, FindsMotionsSteady) {
+    const std::string lamp = "[[light]]\nname = \"lamp\"\ntype = \"point\"\nintensity = 500\nposition = ";
+    const auto keys = [](const std::string& from, const std::string& to) {
+        return "{ keys = [[1, " + from + "], [9, " + to + "]] }\n";
+    };
+    const std::string still = lamp + "[14, 10, 12]\n";
+    const std::string noise =
+        "[[volume]]\nname = \"smoke\"\nsource = \"noise\"\nparameters = { resolution = 24 }\n"
+        "density = { scale = 2.0 }\ntransform = { scale = ";
+    const std::string camera = "[camera]\nfov = 35\nresolution = [32, 24]\n", middle = "target = [0, 0, 0]\n";
+    const std::string stands = "position = [0, 0, 40]\n", size = "[8, 8, 8] }\n";
+    const std::map<std::string, std::string> motions = {
+        {"orbit", camera + middle + "position = " + keys("[0, 0, 40]", "[4, 0, 39.8]") + noise + size + still},
+        {"pan", camera + "position = " + keys("[0, 0, 40]", "[0.5, 0, 40]") +
+                    "target = " + keys("[0, 0, 0]", "[0.5, 0, 0]") + noise + size + still},
+        {"lamp", camera + middle + stands + noise + size + lamp + keys("[14, 10, 12]", "[12, 10, 12]")},
+        {"swelling",
+         camera + middle + stands + noise + "{ keys = [[1, [8, 8, 8]], [9, [8.4, 8.4, 8.4]]] } }\n" + still},
+    };
+    for (const auto& [name, text] : motions) {
+        write(name + ".toml", text);
+        runWell({"study", name + ".toml", "--steady", "--frames", "1-4", "--progress", "none", "-o", name});
+        const auto beauty = nlohmann::json::parse(readBytes(file(name + "/steady.json"))).at("layers").at(0);
+        EXPECT_LT(beauty.at("excess"), 0.01) << name;
+        EXPECT_GT(beauty.at("excess"), 1e-6) << name;
+        EXPECT_LT(beauty.at("error"), 0.01) << name;
+        EXPECT_GT(beauty.at("pixels"), 2 * 50) << name;
+    }
 }
 
 // Texels of six voxels jump from one pattern to another as they turn with the sun.
