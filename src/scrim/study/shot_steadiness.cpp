@@ -114,12 +114,13 @@ ShotSteadiness::ShotSteadiness(Shot& shot, int frame, const RenderOptions& rende
     });
 }
 
-std::vector<SteadyLayer> ShotSteadiness::rendered(int frame, const Dials& dials, RenderOptions options) {
+std::vector<SteadyLayer> ShotSteadiness::rendered(int frame, bool converged, RenderOptions options) {
     options.change = [&](Scene& scene) {
         if (m_rendering.change) m_rendering.change(scene);
         if (m_resolution.x > 0) scene.camera.resolution = m_resolution;
-        scene.dials = dials;
-        scene.keepsPromise = false;
+        // A scene that keeps its promise may still choose coarser texels for the renders that motion blur averages.
+        scene.dials = converged ? m_result.converged : m_result.dials;
+        scene.keepsPromise = scene.keepsPromise && !converged;
         keepColours(scene);
     };
     const ShotFrame shown = m_shot.render(frame, options);
@@ -138,10 +139,10 @@ void ShotSteadiness::add(int frame, const ProgressSink& progress) {
     timed(m_result.seconds, [&] {
         RenderOptions options = m_rendering;
         options.progress = partOf(progress, 0, kPartOfFrame);
-        std::vector<SteadyLayer> shown = rendered(frame, m_result.dials, options);
+        std::vector<SteadyLayer> shown = rendered(frame, false, options);
         options.progress = partOf(progress, kPartOfFrame, 1);
         options.messages = {};  // they would say the same again
-        std::vector<SteadyLayer> truth = rendered(frame, m_result.converged, options);
+        std::vector<SteadyLayer> truth = rendered(frame, true, options);
         if (!m_meter) m_meter.emplace(m_result.resolution.x);
         m_meter->add(frame, std::move(shown), std::move(truth));
     });

@@ -45,7 +45,7 @@ class ShotSteadiness {
     ShotSteadinessResult result() const;
 
   private:
-    std::vector<SteadyLayer> rendered(int frame, const Dials& dials, RenderOptions options);
+    std::vector<SteadyLayer> rendered(int frame, bool converged, RenderOptions options);
 
     Shot& m_shot;
     RenderOptions m_rendering;
