@@ -101,6 +101,7 @@ struct CommandLine {
         CLI::App* command = app.add_subcommand("render", "render scenes, or assets alone");
         addSceneOptions(*command, render);
         addRenderOptions(*command, render, "Output");
+        addBudget(*command, render);
     }
     void addPlan() {
         CLI::App* command = app.add_subcommand("plan", "show what a render would do");

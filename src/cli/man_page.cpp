@@ -23,7 +23,7 @@ constexpr std::array<std::pair<int, const char*>, 9> kStatuses{{
     {2, "The command line is wrong."},
     {3, "An input is missing or bad."},
     {4, "The output could not be written."},
-    {5, "Written, but a tolerance was missed, or multiple scattering did not converge."},
+    {5, "Written, but a tolerance was missed, or multiple scattering did not converge; or a shot flickers."},
     {33, "Out of memory: farms may try again on a larger machine."},
     {130, "Interrupted by SIGINT; no incomplete file was left."},
     {143, "Interrupted by SIGTERM, in the same way."},

@@ -246,6 +246,11 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     command.option_defaults()->group("Options");
 }
 
+void addBudget(CLI::App& command, SceneOptions& o) {
+    add(command, "--budget", "SECONDS", "take the finest preset with which a frame should render in this time",
+        [&o](const std::string& t) { o.budget = secondsFrom("--budget", t); });
+}
+
 void addPlanOptions(CLI::App& command, SceneOptions& o) {
     command.add_flag("--json", o.json, "print JSON");
     addFile(command, "--write-dials", "FILE.toml",
@@ -254,7 +259,10 @@ void addPlanOptions(CLI::App& command, SceneOptions& o) {
 }
 
 void addStudyOptions(CLI::App& command, SceneOptions& o) {
-    addFile(command, "-o,--output", "DIR", "folder for study.csv, study.json and index.html", o.output);
+    addFile(command, "-o,--output", "DIR",
+            "folder for study.csv, study.json and index.html; with --steady for steady.csv and steady.json", o.output);
+    command.add_flag("--steady", o.steady,
+                     "measure how much neighbouring frames flicker; exit status 5 if it is more than promised");
     add(command, "--budget", "SECONDS", "stop after this time, and report the results so far",
         [&o](const std::string& t) { o.budget = secondsFrom("--budget", t); });
     addProgress(command, o);

@@ -63,13 +63,16 @@ struct SceneOptions {
 
     bool json = false;       ///< for `scrim plan`
     std::string writeDials;  ///< `scrim plan`: the file to write; "": none
-    double budget = 0;       ///< for `scrim study`: seconds; 0: none
+    double budget = 0;       ///< for `scrim study` and `scrim render`: seconds; 0: none
+    bool steady = false;     ///< for `scrim study`
 };
 
 /// Adds the options that decide what is rendered, for `render` and `plan`. `options` must outlive the parse.
 void addSceneOptions(CLI::App& command, SceneOptions& options);
 /// Adds the options about the results of `render`. `group` is their title in the help.
 void addRenderOptions(CLI::App& command, SceneOptions& options, const std::string& group);
+/// Adds the options of `render` alone.
+void addBudget(CLI::App& command, SceneOptions& options);
 /// Adds the options of `plan` alone.
 void addPlanOptions(CLI::App& command, SceneOptions& options);
 /// Adds the options of `study`.

@@ -58,10 +58,13 @@ PlannedFrame planFrame(SceneInput& input, int frame, RenderOptions options) {
                     {"frame", frame},
                     {"field_bytes", plan.fieldBytes},
                     {"outputs", outputsOf(input, frame)},
+                    {"expected_seconds", plan.seconds},
                     {"messages", said},
                     {"plan", Json::parse(plan.json)}};
-    planned.text = fmt::format("{}, frame {}\n{}{:<23} {}\n", input.name(), frame, plan.table, "memory of the fields",
-                               bytesText(plan.fieldBytes));
+    planned.text =
+        fmt::format("{}, frame {}\n{}{:<23} {}\n{:<23} about {:.2g} s on {} threads, within a factor of three\n",
+                    input.name(), frame, plan.table, "memory of the fields", bytesText(plan.fieldBytes),
+                    "expected time", plan.seconds, threadCount());
     if (tolerance > 0) {
         planned.json["tolerance"] = tolerance;
         planned.text += fmt::format("{:<23} {}: a render chooses texels and sheets for it; this is the plan of '{}'\n",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render_command.h"
 
+#include "budget.h"
 #include "console.h"
 #include "display_server.h"
 #include "frame_lines.h"
@@ -98,6 +99,8 @@ void RenderRun::run() {
     for (const std::string& folder : claims.folders()) removeAbandonedFiles(folder);
     if (!m_options.stats.empty()) m_stats.emplace(m_options.stats);
     setExrThreads(threadCount());
+    if (m_options.budget > 0)
+        for (SceneInput& input : inputs) takePresetWithin(input, m_options, m_console);
     int count = 0;
     for (const SceneInput& input : inputs) count += static_cast<int>(input.frames().size());
     m_progress.setFrameCount(count);

@@ -4,7 +4,9 @@
 #include "console.h"
 #include "file_claims.h"
 #include "progress.h"
+#include "result_folder.h"
 #include "scene_input.h"
+#include "steady_study.h"
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
@@ -18,41 +20,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <system_error>
-#include <utility>
 #include <vector>
 
 namespace scrim::cli {
 namespace {
 
 constexpr const char *kTable = "study.csv", *kData = "study.json", *kPage = "index.html";
-
-// The folder for the results. It is made once before hours of work rely on it, and removed until there are results, so
-// that nothing is left of a study that ends early, however it ends.
-class ResultFolder {
-  public:
-    explicit ResultFolder(std::string path) : m_path(std::move(path)) {
-        std::error_code ignored;
-        if (make()) std::filesystem::remove(m_path, ignored);
-    }
-
-    const std::string& path() const { return m_path; }
-    void write(const std::string& name, const std::string& text) const {
-        make();
-        writeWholeFile((std::filesystem::path(m_path) / name).string(), text);
-    }
-
-  private:
-    bool make() const {
-        std::error_code error;
-        const bool made = std::filesystem::create_directories(m_path, error);
-        if (error)
-            throw Error(ErrorKind::output, fmt::format("cannot make the folder '{}': {}", m_path, error.message()));
-        return made;
-    }
-
-    std::string m_path;
-};
 
 std::string tableOf(const Study& study) {
     std::string text = fmt::format("{} reference pixels, {:.0f} s\n{:<12}{:<56}{:>9}{:>12}\n", study.pixels,
@@ -77,6 +50,7 @@ std::string tableOf(const Study& study) {
 
 void study(const SceneOptions& options) {
     if (options.inputs.size() != 1) throw Error(ErrorKind::usage, "study: expected one scene or asset");
+    if (options.steady) return steadyStudy(options);
     if (options.output.empty()) throw Error(ErrorKind::usage, "study: expected -o DIR, the folder for the results");
     Console console(options.verbose, options.quiet);
     Progress progress(options.progress, console);

@@ -4,6 +4,7 @@
 #include <scrim/base/parallel.h>
 #include <scrim/base/timed.h>
 #include <scrim/engine/plan/effects.h>
+#include <scrim/engine/plan/expected_cost.h>
 #include <scrim/engine/plan/report.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/model/sub_lights.h>
@@ -109,6 +110,12 @@ void warnOfBuffers(const ViewScene& view, const Plan& plan, const MessageSink& m
     }
 }
 
+/// Warns of pictures that take long or much memory, before they do.
+void warnOfCost(const LoadedShot& shot, const ViewScene& view, const Plan& plan, const MessageSink& messages) {
+    const std::string cost = costWarning(view, plan, bytesOf(shot.fields), threadCount());
+    if (!cost.empty()) notify(messages, Severity::warning, fmt::format("frame {:g}: {}", shot.scene.frame, cost));
+}
+
 /// Warns that a deep picture has one alpha, while the extinction of three channels differs.
 void warnOfColouredDeep(const ViewScene& view, const MessageSink& messages) {
     if (view.deep && !greyExtinction(view))
@@ -157,8 +164,10 @@ Frame FrameRender::run() {
 
 void FrameRender::keepPlan(const ViewScene& view, const Plan& plan) {
     m_report.planJson = planAsJson(view, plan);
+    warnOfCost(m_shot, view, plan, m_options.messages);
     if (m_options.planned)
-        m_options.planned({false, m_report.planJson, planAsTable(view, plan), bytesOf(m_shot.fields)});
+        m_options.planned({false, m_report.planJson, planAsTable(view, plan), bytesOf(m_shot.fields),
+                           roughPictureSeconds(view, plan, m_report.threads)});
     if (m_begins) m_begins(plan.bytes);
 }
 
@@ -231,11 +240,15 @@ bool isVerified(const Scene& scene, const RenderOptions& options) {
 PlannedShot planLoaded(const LoadedShot& shot, const RenderOptions& options) {
     const ViewScene view = withDeep(ShotMotion(shot, options).view(), shot.scene.output);
     const Plan plan = makePlan(view, threadCount(), partOf(options.progress, 0, 0));
+    warnOfCost(shot, view, plan, options.messages);
     Dials dials = shot.scene.dials;
     const bool coarser = view.dials.texel != dials.texel || view.dials.sheetThickness != dials.sheetThickness;
     dials.texel = view.dials.texel;
     dials.sheetThickness = view.dials.sheetThickness;
-    return {{false, planAsJson(view, plan), planAsTable(view, plan), bytesOf(shot.fields)}, dials, coarser};
+    return {{false, planAsJson(view, plan), planAsTable(view, plan), bytesOf(shot.fields),
+             roughPictureSeconds(view, plan, threadCount())},
+            dials,
+            coarser};
 }
 
 Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotReport& report,

@@ -60,6 +60,19 @@ std::string promiseText(const std::string& preset, const PromisedDials& promised
                        renderBlock(dials), beyond, scattering);
 }
 
+/// Tells a plan's preset what it promises and what is expected of it.
+void tellPromise(PlannedShot& planned, const std::string& preset, const PromisedDials& promised) {
+    ShotPlan& plan = planned.plan;
+    plan.table += promiseText(preset, promised, planned.dials, planned.coarser);
+    plan.promised = promised.promised;
+    plan.expected = promised.expected;
+    for (const PromisedDials::Beyond& beyond : promised.beyond)
+        plan.expected = std::max(plan.expected, beyond.expected);
+    if (!promised.scattering) return;
+    plan.promised = std::max(plan.promised, promised.scattering->promised);
+    plan.expected = std::max(plan.expected, promised.scattering->choice.expected);
+}
+
 /// True if the cells or directions of multiply scattered light are to be chosen.
 bool choosesScattering(const Scene& scene) {
     return (!scene.dials.scatterCell || !scene.dials.scatterDirections) &&
@@ -217,8 +230,7 @@ ShotPlan Shot::Content::plan(Scene scene, const RenderOptions& options) {
     const auto loaded = loadOnce(std::move(scene), options, VolumesOf::picture, ShotUse::plan);
     if (loaded) {
         PlannedShot planned = planLoaded(*loaded, options);
-        if (loaded->scene.keepsPromise && promised)
-            planned.plan.table += promiseText(loaded->scene.quality, promised->second, planned.dials, planned.coarser);
+        if (loaded->scene.keepsPromise && promised) tellPromise(planned, loaded->scene.quality, promised->second);
         return std::move(planned.plan);
     }
     ShotPlan skipped;

@@ -103,7 +103,8 @@ class Shot {
     static Shot withStores(const OpenOptions& options);
     /// Reads the scene from its text.
     void begin(const OpenOptions& options);
-    friend class ShotStudy;                                                                       // study/shot_study.h
+    friend class ShotStudy;       // study/shot_study.h
+    friend class ShotSteadiness;  // study/shot_steadiness.h
     friend std::vector<SceneFile> filesReadBy(const Shot& shot, const std::vector<int>& frames);  // shot/shot_files.h
     friend BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request,
                               const RenderOptions& options);  // shot/bake_shot.h

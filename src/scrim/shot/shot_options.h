@@ -45,6 +45,9 @@ struct ShotPlan {
     std::string json;            ///< the plan as one JSON object
     std::string table;           ///< the same as several lines of text for people
     std::size_t fieldBytes = 0;  ///< memory of the volumes
+    double seconds = 0;          ///< a rough time of the render; right within a factor of about three
+    /// The error that the preset promises, and the largest that is expected, relative; 0: the scene states its dials.
+    double promised = 0, expected = 0;
 };
 
 /// Stands for all pixels.

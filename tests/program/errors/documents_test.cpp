@@ -218,7 +218,7 @@ class Documents : public ProgramTest {
             words.insert(words.end(), {"--res", "32x32"});
             if (says("examples/"))
                 words.insert(words.end(), {"--set", "render.texel=4", "--set", "render.sheet_thickness=8"});
-            else if (!says("--tolerance") && !says("--set render."))
+            else if (!says("--tolerance") && !says("--budget") && !says("--set render."))
                 words.insert(words.end(), {"--quality", "draft"});
         }
         const ProgramResult result = run(words, {.environment = {{"SCRIM_DATA", dataFolder()}}});

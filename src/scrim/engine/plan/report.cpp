@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/plan/effects.h>
+#include <scrim/engine/plan/expected_cost.h>
 #include <scrim/image/light_profile.h>
 #include <scrim/scene/quality.h>
 
@@ -142,11 +143,6 @@ std::string groupLines(const ViewScene& scene, const Plan& plan, const GroupPlan
     return text;
 }
 
-/// The number of renders that the picture averages.
-int renders(const ViewScene& scene) {
-    return scene.lens ? scene.lens->samples : scene.shutter ? scene.shutter->samples : 1;
-}
-
 }  // namespace
 
 std::string planAsJson(const ViewScene& scene, const Plan& plan) {
@@ -156,7 +152,7 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
     Json groups = Json::array();
     for (const GroupPlan& group : plan.groups) groups.push_back(groupJson(scene, plan, group));
     const PixelWindow& r = plan.region;
-    const double times = renders(scene);
+    const double times = renderCount(scene);
     const int rays = scene.dials.antialias;
     Json out{{"voxel", plan.voxel},
              {"render", renderJson(scene.dials)},
@@ -179,7 +175,7 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
 
 std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     std::string text;
-    const double times = renders(scene);
+    const double times = renderCount(scene);
     for (const Effect& e : effectsOf(scene, plan))
         text += fmt::format("{:<23} {:<4} {}{}\n", e.name, e.on ? "on" : "off", e.reason, placesText(e.where));
     text += fmt::format("{:<23} {:.6g} world units\n", "voxel", plan.voxel);

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is told of pictures that take long or much memory.
+#include "support/fields.h"
+
+#include <scrim/engine/plan/expected_cost.h>
+#include <scrim/engine/plan/make_plan.h>
+
+#include <gtest/gtest.h>
+
+namespace scrim::test {
+namespace {
+
+constexpr std::size_t kGigabyte = std::size_t{1} << 30;
+
+ViewScene smallScene() {
+    ViewScene scene = orthographicScene(boxField({-8, -8, -8}, {7, 7, 7}), Medium(), 40, 64);
+    scene.lights = {distantLight({1, -0.5, -0.6})};
+    return scene;
+}
+
+bool says(const std::string& text, const std::string& part) {
+    return text.find(part) != text.npos;
+}
+
+TEST(ExpectedCost, OfASmallPictureIsNotTold) {
+    const ViewScene scene = smallScene();
+    const Plan plan = makePlan(scene, 2);
+    EXPECT_GT(roughPictureSeconds(scene, plan, 2), 0);
+    EXPECT_LT(roughPictureSeconds(scene, plan, 2), 1);
+    EXPECT_EQ(costWarning(scene, plan, 0, 2), "");
+}
+
+// Ten million cells, 256 directions, ten sweeps of 10 ns.
+TEST(ExpectedCost, OfScatteredLightGrowsWithItsCells) {
+    const ViewScene scene = smallScene();
+    Plan plan = makePlan(scene, 2);
+    plan.transport.targets.emplace_back();
+    plan.transport.cells = 1e7;
+    plan.transport.ordinates = 256;
+    EXPECT_NEAR(roughPictureSeconds(scene, plan, 2), 128, 2);
+    EXPECT_NEAR(roughPictureSeconds(scene, plan, 1), 256, 2);
+    EXPECT_EQ(costWarning(scene, plan, 0, 2), "");
+    plan.transport.cells = 2e8;
+    const std::string text = costWarning(scene, plan, 0, 2);
+    EXPECT_TRUE(says(text, "expected to take about 43 minutes")) << text;
+    EXPECT_TRUE(says(text, "2e+02 million cells of scattered light")) << text;
+    EXPECT_TRUE(says(text, "a larger scatter_cell or a smaller density needs fewer")) << text;
+}
+
+TEST(ExpectedCost, IsThatOfAllRendersThatMotionBlurAverages) {
+    ViewScene scene = smallScene();
+    const Plan plan = makePlan(scene, 2);
+    const double one = roughPictureSeconds(scene, plan, 2);
+    scene.shutter.emplace();
+    scene.shutter->samples = 32;
+    EXPECT_DOUBLE_EQ(roughPictureSeconds(scene, plan, 2), 32 * one);
+}
+
+TEST(ExpectedCost, TellsOfMemoryUnlessALimitIsStated) {
+    ViewScene scene = smallScene();
+    Plan plan = makePlan(scene, 2);
+    EXPECT_EQ(costWarning(scene, plan, 3 * kGigabyte, 2), "");
+    plan.bytes = 2 * kGigabyte;
+    const std::string text = costWarning(scene, plan, 3 * kGigabyte, 2);
+    EXPECT_TRUE(says(text, "and 5.0 GB") || says(text, "and 5 GB")) << text;
+    EXPECT_TRUE(says(text, "; a coarser preset or a smaller picture takes less")) << text;
+    scene.memoryLimit = 8 * kGigabyte;
+    EXPECT_EQ(costWarning(scene, plan, 3 * kGigabyte, 2), "");
+}
+
+}  // namespace
+}  // namespace scrim::test
