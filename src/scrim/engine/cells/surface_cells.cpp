@@ -120,6 +120,9 @@ ExtinctionIntegral::ExtinctionIntegral(const Classified& look, double most)
         mean[std::size_t(i)] = static_cast<Real>(own);
         sum += own / double(scale);
     }
+    int first = 0;
+    while (first < kCount && mean[std::size_t(first)] == 0) ++first;
+    empty = static_cast<Real>(first / double(scale));
 }
 
 bool isByValueAlone(const ViewVolume& volume) {

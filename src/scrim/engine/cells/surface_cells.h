@@ -34,6 +34,7 @@ struct ExtinctionIntegral {
     std::vector<Real> integral;  ///< kCount + 2 values from 0 on, `scale` of them per unit of the field
     std::vector<Real> mean;      ///< of the extinction between two of them
     Real scale = 1;
+    Real empty = 0;  ///< values below this show nothing
 
     ExtinctionIntegral(const Classified& look, double most);
 };

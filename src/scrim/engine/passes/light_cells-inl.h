@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 HWY_BEFORE_NAMESPACE();
@@ -66,7 +67,10 @@ class ParallelRaster {
         m_stride = std::size_t(box.size[0] + std::ceil(std::abs(m_slope[0]) * box.size[2]) + 4 + 2 * kRowSlack);
         m_rows = box.size[1] + static_cast<int>(std::ceil(std::abs(m_slope[1]) * box.size[2])) + 4;
         m_through.assign(std::size_t(m_rows) * m_stride, Real(1));
-        if (box.integral()) m_before.assign(m_through.size(), Real(-1));
+        if (box.integral()) {
+            m_before.assign(m_through.size(), Real(-1));
+            m_black.assign(m_through.size() / kChunk + 1, 0);
+        }
         if (!rays.blocked) return;
         // Ray (p, q) crosses the middle of the first slice at p + begin, q + begin, from the middle of the first cell.
         const double first = slice(0) + 0.5;
@@ -149,17 +153,29 @@ class ParallelRaster {
         Real* to = through(j - y.whole) - x.whole;
         Real* before = m_before.data() + (to - m_through.data());
         const V8 fx = value8(x.fraction), fy = value8(y.fraction), perSlice = value8(m_perSlice * m_box.edge());
+        const V8 empty = hn::Set(d, m_box.integral()->empty);
+        // Rays that have met opaque matter are black in whole chunks, which later slices pass over.
+        const auto first = static_cast<std::size_t>(to - m_through.data());
         for (const CellSpan& span : m_box.beside.row(m_box.paddedRow(j, k)))
-            for (int i = span.begin - 1; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
-                const V8 left = hn::LoadU(d, to + i);
-                if (hn::AllTrue(d, hn::Lt(left, value8(kBlack)))) continue;
-                const V8 value = bilinear(hn::LoadU(d, a + i), hn::LoadU(d, a + i + 1), hn::LoadU(d, b + i),
-                                          hn::LoadU(d, b + i + 1), fx, fy);
-                const V8 old = hn::LoadU(d, before + i);
-                const V8 tau = hn::Mul(perSlice, meanBetween(*m_box.integral(), old, value));
-                const auto inside = hn::Lt(counted(i), value8(span.end));
-                hn::StoreU(hn::IfThenElse(inside, passed(left, tau), left), d, to + i);
-                hn::StoreU(hn::IfThenElse(inside, value, old), d, before + i);
+            for (int i = span.begin - 1, end = i; i < span.end; i = end) {
+                const std::size_t ray = first + static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i));
+                end = std::min(span.end, i + kChunk - static_cast<int>(ray % kChunk));
+                if (m_black[ray / kChunk]) continue;
+                bool black = end - i == kChunk;
+                for (; i < end; i += static_cast<int>(hn::Lanes(d))) {
+                    const V8 left = hn::LoadU(d, to + i);
+                    if (hn::AllTrue(d, hn::Lt(left, value8(kBlack)))) continue;
+                    black = false;
+                    const V8 value = bilinear(hn::LoadU(d, a + i), hn::LoadU(d, a + i + 1), hn::LoadU(d, b + i),
+                                              hn::LoadU(d, b + i + 1), fx, fy);
+                    const V8 old = hn::LoadU(d, before + i);
+                    const auto inside = hn::Lt(counted(i), value8(end));
+                    hn::StoreU(hn::IfThenElse(inside, value, old), d, before + i);
+                    if (hn::AllTrue(d, hn::Lt(hn::Max(old, value), empty))) continue;
+                    const V8 tau = hn::Mul(perSlice, meanBetween(*m_box.integral(), old, value));
+                    hn::StoreU(hn::IfThenElse(inside, passed(left, tau), left), d, to + i);
+                }
+                m_black[ray / kChunk] = black;
             }
     }
 
@@ -186,6 +202,8 @@ class ParallelRaster {
     Real* through(int row) { return m_through.data() + std::size_t(row + 2) * m_stride + 2; }
     const Real* through(int row) const { return m_through.data() + std::size_t(row + 2) * m_stride + 2; }
 
+    static constexpr int kChunk = 64;  // rays
+
     const CellSlices& m_box;
     const CellRays& m_rays;
     bool m_down;
@@ -196,6 +214,7 @@ class ParallelRaster {
     std::vector<Real>& m_through;
     std::vector<Real> m_dark;
     std::vector<Real> m_before;  // for each ray the value of the field where it met the slice before; -1: unknown
+    std::vector<std::uint8_t> m_black;  // for each chunk of rays whether all are below kBlack
 };
 
 /// Transmittances of the rays from a point to the cells of one face of a cube around it; for a lamp their depths.

@@ -314,7 +314,8 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan) {
     // Slices keep the used part of each row of the box, and where it begins.
     const double rows = std::max({cells.x * cells.y, cells.y * cells.z, cells.z * cells.x}), kept = 20 * rows;
     const double slices = std::min(cells.x * cells.y * cells.z, stored) * (1 + colours) + kept;
-    const double surfaces = hasSurfaces(scene) ? 1.8 : 1;  // normals, values, and a second part of what is reflected
+    // Values, and normals and a second part of what is reflected where the eye sees surfaces.
+    const double surfaces = hasSurfaces(scene) ? 1.2 : 1;
     return surfaces * sizeof(Real) * (slices + stored * (fields + media) + (shared ? 2 * colours * near : 0));
 }
 
