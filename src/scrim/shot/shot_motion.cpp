@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/sweep.h>
+#include <scrim/geometry/even_points.h>
 #include <scrim/scene/field_rays.h>
 #include <scrim/scene/quality.h>
 #include <scrim/shot/mean_frame.h>
@@ -238,7 +239,7 @@ Moment ShotMotion::momentOf(int i, int count) const {
     moment.time = m_shutter.open + (i + 0.5) / count * (m_shutter.close - m_shutter.open);
     if (!m_shot.scene.lens) return moment;
     const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-    const Vec2 square = glm::fract(Vec2(0.5) + double(i) * Vec2(0.7548776662466927, 0.5698402909980532));
+    const Vec2 square = evenPoint(i);
     const double radius = std::sqrt(m_moves ? square.x : (i + 0.5) / count);
     const double angle = m_moves ? 2 * std::numbers::pi * square.y : golden * i;
     moment.lens = radius * Vec2(std::cos(angle), std::sin(angle));

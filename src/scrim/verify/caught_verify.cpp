@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/parallel.h>
 #include <scrim/engine/light/solid_shadow.h>
+#include <scrim/geometry/even_points.h>
 #include <scrim/verify/reference.h>
 #include <scrim/verify/verify.h>
 
@@ -43,7 +44,7 @@ CaughtDifference differenceOfCaught(const ViewScene& truth, const Frame& frame, 
     std::vector<Int2> found;
     for (int i = 0; i < kTries * wanted && static_cast<int>(found.size()) < wanted; ++i) {
         // M. Roberts' R2 sequence
-        const Vec2 at = glm::fract(0.5 + double(i) * Vec2(0.7548776662466927, 0.5698402909980532));
+        const Vec2 at = evenPoint(i);
         const Int2 pixel(region.x0 + static_cast<int>(at.x * region.width()),
                          region.y0 + static_cast<int>(at.y * region.height()));
         if (caughtAt(*truth.solids, rays, pixel.x + 0.5, pixel.y + 0.5)) found.push_back(pixel);

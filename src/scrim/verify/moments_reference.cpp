@@ -2,6 +2,7 @@
 #include <scrim/verify/moments_reference.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/geometry/even_points.h>
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +24,7 @@ constexpr double kChange = 1e-3;  // convergence threshold, relative to the brig
 
 // Evenly spread places on a lens, any number of them in this order (M. Roberts' R2).
 Vec2 placeOnLens(std::size_t i) {
-    const Vec2 square = glm::fract(Vec2(0.25, 0.7) + double(i) * Vec2(0.7548776662466927, 0.5698402909980532));
+    const Vec2 square = evenPoint(i, {0.25, 0.7});
     const double radius = std::sqrt(square.x), angle = 2 * std::numbers::pi * square.y;
     return {radius * std::cos(angle), radius * std::sin(angle)};
 }

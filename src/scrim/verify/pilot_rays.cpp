@@ -3,6 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
+#include <scrim/geometry/even_points.h>
 #include <scrim/scene/light_at.h>
 #include <scrim/scene/optics.h>
 
@@ -337,8 +338,7 @@ class PilotScene {
 }  // namespace
 
 Vec3 pilotPlace(int i) {
-    const Vec3 at = 0.5 + Vec3(0.7548776662466927, 0.5698402909980532, 0.618034) * double(i);
-    return at - glm::floor(at);
+    return {evenPoint(i), glm::fract(0.5 + 0.618034 * i)};
 }
 
 double visibleThickness(const ViewScene& given, int rays) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/held_ray.h>
+#include <scrim/geometry/even_points.h>
 #include <scrim/verify/reference.h>
 #include <scrim/base/split_mix.h>
 #include <scrim/image/sky_parts.h>
@@ -181,8 +182,7 @@ std::vector<LightRay> Reference::raysTo(std::size_t index, const Vec3& ws) const
     const int n = m_options.lightRays;
     const Vec2 offset = lotOf(ws, index);
     std::vector<Vec2> places;
-    for (int i = 0; i < n * n; ++i)
-        places.push_back(glm::fract(offset + double(i) * Vec2(0.7548776662466927, 0.5698402909980532)));
+    for (int i = 0; i < n * n; ++i) places.push_back(evenPoint(i, offset));
     return std::get<LightRays>(m_lights[index]).rays(ws, places);
 }
 
@@ -220,8 +220,7 @@ Rgb Reference::scatterInPeaks(std::size_t index, const Vec3& ws, const Vec3& eye
         Rgb own(0);
         for (int i = 0; i < n * n; ++i) {
             // Light that travels to the eye comes from where the eye looks.
-            const Vec3 toLight =
-                peak.direction(eye, glm::fract(offset + double(i) * Vec2(0.7548776662466927, 0.5698402909980532)));
+            const Vec3 toLight = peak.direction(eye, evenPoint(i, offset));
             const LightRay ray = rays.from(ws, toLight);
             if (ray.weight == Rgb(0)) continue;
             Rgb tau(0);
