@@ -63,6 +63,17 @@ void addThickness(const ViewScene& scene, PromisedDials& promised) {
                                            depth)});
 }
 
+// Surfaces under wide light whose cells are larger than they should be.
+void addLargeCells(const ViewScene& scene, PromisedDials& promised) {
+    const CellLightPlan cells = planCellLights(scene);
+    const double large = errorOfLargeCells(scene, cells), expected = std::hypot(large, promised.expected);
+    if (large == 0 || expected <= promised.promised) return;
+    promised.beyond.push_back(
+        {expected, fmt::format("the light on surfaces is kept on cells {:.2g} times as large as it needs, which would "
+                               "take too much memory; a larger --memory allows smaller ones",
+                               cells.coarser)});
+}
+
 // What the lobes of phase functions and the spreads of surfaces leave, where they are narrow beside the lights.
 struct Narrow {
     double expected = 0;
@@ -333,6 +344,7 @@ PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
     else if (atLod)
         chooseCoarser(atLod, scene, out);
     if (!classified) addThickness(scene, out);
+    if (classified && softlyLit(scene)) addLargeCells(scene, out);
     addNarrow(scene, out);
     if (solidsBlock(scene)) resolveEdges(out, finest);
     if (const auto scattered = scatterPilot(scene)) {

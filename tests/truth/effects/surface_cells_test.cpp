@@ -5,6 +5,7 @@
 
 #include <scrim/engine/passes/light_cells.h>
 #include <scrim/engine/plan/make_plan.h>
+#include <scrim/engine/plan/transport_plan.h>
 
 #include <gtest/gtest.h>
 
@@ -91,6 +92,25 @@ TEST(SurfacesOnCells, AreKeptWhereTheEyeSeesThem) {
             }
         }
     }
+}
+
+// A scan whose cells take too much memory has larger ones, and says what error they leave; beside smoke it has shadow
+// buffers.
+TEST(SurfacesOnCells, OfLargeScansAreCoarserAndSaySo) {
+    ViewScene scene = scanOf(look(6, 0.3));
+    scene.lights = {domeLight(24)};
+    scene.lights.front().shadow = ShadowMethod::cells;
+    const CellLightPlan enough = planCellLights(scene);
+    EXPECT_EQ(enough.coarser, 1);
+    EXPECT_EQ(errorOfLargeCells(scene, enough), 0);
+    scene.memoryLimit = enough.bytes;  // half of it is for cells
+    const CellLightPlan large = planCellLights(scene);
+    ASSERT_EQ(large.lights.size(), 1u);
+    EXPECT_GT(large.coarser, 1.1);
+    EXPECT_LE(large.bytes, scene.memoryLimit / 2);
+    EXPECT_GT(errorOfLargeCells(scene, large), 0.01);
+    scene.volumes.push_back(orthographicScene(makeField(Int3(-12), Int3(12), 1, twoBalls), {}, 26, 36).volumes[0]);
+    EXPECT_TRUE(planCellLights(scene).lights.empty());
 }
 
 // Fine shadow buffers of the same directions, which agree with brute force for suns in these directions (0.04 %; the

@@ -177,10 +177,10 @@ Effect lightsOnCells(const ViewScene& scene, const Plan& plan) {
     if (lamps > 0 && lampsShareCells(scene))
         effect.reason += fmt::format("; {} lamps share cells, and have their own only near them", lamps);
     if (plan.cellLights.coarser > 1)
-        effect.reason += fmt::format(
-            "; cells are {:.2g} times as large as small voxels among large volumes need, and "
-            "blur the shadows of these",
-            plan.cellLights.coarser);
+        effect.reason += fmt::format("; cells are {:.2g} times as large as {}", plan.cellLights.coarser,
+                                     errorOfLargeCells(scene, plan.cellLights) > 0
+                                         ? "surfaces need, which would take too much memory"
+                                         : "small voxels among large volumes need, and blur the shadows of these");
     if (effect.on) effect.reason += setsText(scene, plan.cellLights) + "; about " + bytesText(plan.cellLights.bytes);
     return effect;
 }

@@ -2,6 +2,7 @@
 #include <scrim/engine/plan/expected_cost.h>
 
 #include <scrim/base/error.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/make_plan.h>
 
 #include <fmt/format.h>
@@ -15,6 +16,15 @@ namespace {
 double scatterSeconds(const TransportPlan& plan) {
     constexpr double kCellDirection = 1e-8, kSweeps = 10;
     return plan.any() ? plan.cells * plan.ordinates * kSweeps * kCellDirection : 0;
+}
+
+// The same of lights on cells. For each byte of their cells, plumes under a sky, and scans of 8 and 16 million voxels,
+// took 4 to 8 ns and 0.05 to 0.1 ns more for each direction or point that stands for a light.
+double cellLightSeconds(const ViewScene& scene, const CellLightPlan& plan) {
+    constexpr double kByte = 4e-9, kByteDirection = 5e-11;
+    double directions = 0;
+    for (const int i : plan.lights) directions += subLightCount(scene, scene.lights[std::size_t(i)]);
+    return plan.lights.empty() ? 0 : double(plan.bytes) * (kByte + kByteDirection * directions);
 }
 
 std::string timeText(double seconds) {
@@ -31,7 +41,8 @@ int renderCount(const ViewScene& scene) {
 }
 
 double roughPictureSeconds(const ViewScene& scene, const Plan& plan, int threads) {
-    return renderCount(scene) * (expectedSeconds(scene, plan, threads) + scatterSeconds(plan.transport) / threads);
+    const double onCells = scatterSeconds(plan.transport) + cellLightSeconds(scene, plan.cellLights);
+    return renderCount(scene) * (expectedSeconds(scene, plan, threads) + onCells / threads);
 }
 
 std::string costWarning(const ViewScene& scene, const Plan& plan, std::size_t fieldBytes, int threads) {

@@ -338,15 +338,18 @@ CellLightPlan planCellLights(const ViewScene& scene) {
         plan.edges.push_back(lightCell(scene, light, box.size()) * voxelUnit(scene));
     }
     if (plan.lights.empty()) return plan;
-    constexpr double kMostBytes = 4e9, kStep = 1.25992105, kMostCoarser = 8;
+    constexpr double kMostBytes = 4e9, kStep = 1.25992105;
     const double most = scene.memoryLimit > 0 ? 0.5 * double(scene.memoryLimit) : kMostBytes;
     double bytes = cellBytes(scene, plan);
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
-    // Small voxels in a large scene ask for cells that no memory holds. Larger ones blur the shadows of what is small;
-    // hundreds of shadow buffers would take hours.
-    constexpr double kLess = 0.25;  // of the memory, since much of it takes time, too
-    const bool mayGrow = !scene.dials.lightCell && bytes > most && volumeLevels(scene).size() > 1;
-    while (mayGrow && bytes > (plan.coarser > 1 ? kLess : 1) * most && plan.coarser < kMostCoarser) {
+    // Small voxels in a large scene, and large scans, ask for cells that no memory holds. Larger ones blur the shadows
+    // of what is small, and reflect less exactly (errorOfLargeCells); hundreds of shadow buffers would take hours. Of
+    // media a part of the memory is taken, since much of it takes time, too. Beside media, whose extinction is added to
+    // theirs, surfaces would have 8 % (the teddy bear in haze, cells of half a voxel).
+    const bool scan = scene.volumes.size() == 1 && hasSurfaces(scene);
+    const double less = scan ? 1 : 0.25, mostCoarser = scan ? 2 : 8;
+    const bool mayGrow = !scene.dials.lightCell && bytes > most && (scan || volumeLevels(scene).size() > 1);
+    while (mayGrow && bytes > (plan.coarser > 1 ? less : 1) * most && plan.coarser < mostCoarser) {
         plan.coarser *= kStep;
         for (double& edge : plan.edges) edge *= kStep;
         bytes = cellBytes(scene, plan);
@@ -358,6 +361,11 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     CellLightPlan none;
     none.unfit = fmt::format("the cells of all volumes would take {}", bytesText(plan.bytes));
     return none;
+}
+
+double errorOfLargeCells(const ViewScene& scene, const CellLightPlan& cells) {
+    if (cells.coarser == 1 || !hasSurfaces(scene)) return 0;
+    return errorOfSurfaces(scene, *std::ranges::max_element(cells.edges) / voxelUnit(scene));
 }
 
 std::string setsText(const ViewScene& scene, const CellLightPlan& cells) {

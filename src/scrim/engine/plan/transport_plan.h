@@ -19,6 +19,10 @@ void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, const
 /// Chooses the lights that are kept on cells, and the cells.
 CellLightPlan planCellLights(const ViewScene& scene);
 
+/// The error of the light on surfaces that is left where cells are larger than they should be for want of memory,
+/// relative to that light; 0 elsewhere.
+double errorOfLargeCells(const ViewScene& scene, const CellLightPlan& cells);
+
 /// "; 2 sets of media ..." where some volumes do not cast shadows in all lights on cells; otherwise empty.
 std::string setsText(const ViewScene& scene, const CellLightPlan& cells);
 
