@@ -17,6 +17,12 @@ ResultFolder::ResultFolder(std::string path) : m_path(std::move(path)) {
     if (make()) std::filesystem::remove(m_path, ignored);
 }
 
+void ResultFolder::claim(const std::string& path, std::initializer_list<const char*> names, FileClaims& claims) {
+    for (const char* name : names)
+        claims.writesAlone((std::filesystem::path(path) / name).string(), "a result of the study");
+    removeAbandonedFiles(path);
+}
+
 void ResultFolder::write(const std::string& name, const std::string& text) const {
     make();
     writeWholeFile((std::filesystem::path(m_path) / name).string(), text);

@@ -7,7 +7,6 @@
 #include "result_folder.h"
 #include "scene_input.h"
 
-#include <scrim/base/atomic_file.h>
 #include <scrim/base/error.h>
 #include <scrim/scene/quality.h>
 #include <scrim/study/steadiness_data.h>
@@ -102,9 +101,7 @@ void steadyStudy(const SceneOptions& options) {
     claimInputs(inputs, sceneOptions, claims);
     std::optional<ResultFolder> folder;
     if (!options.output.empty()) {
-        for (const char* name : {kTable, kData})
-            claims.writesAlone((std::filesystem::path(options.output) / name).string(), "a result of the study");
-        removeAbandonedFiles(options.output);
+        ResultFolder::claim(options.output, {kTable, kData}, claims);
         folder.emplace(options.output);
     }
     const ShotSteadinessResult result = measured(input, options, rendering, progress);

@@ -10,7 +10,6 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/base/atomic_file.h>
 #include <scrim/scene/quality.h>
 #include <scrim/study/shot_study.h>
 #include <scrim/study/study.h>
@@ -66,9 +65,7 @@ void study(const SceneOptions& options) {
     rendering.change = [&input](Scene& scene) { input.change(scene); };
     FileClaims claims;
     claimInputs(inputs, sceneOptions, claims);
-    for (const char* name : {kTable, kData, kPage})
-        claims.writesAlone((std::filesystem::path(options.output) / name).string(), "a result of the study");
-    removeAbandonedFiles(options.output);
+    ResultFolder::claim(options.output, {kTable, kData, kPage}, claims);
     ShotStudy shotStudy(input.shot(), frame, rendering);
     const ResultFolder folder(options.output);
     progress.beginFrame(frame);

@@ -69,7 +69,7 @@ template <class Visit>
 void visitPlaces(const CellGrid& grid, const ViewVolume& volume, Kernel kernel, double voxel, const Visit& visit) {
     FieldSamplers samplers;
     const VolumeOptics optics(volume, kernel, samplers);
-    const FieldSampler field(*volume.field, kernel);
+    const FieldSampler field(*volume.field, volume.kernel.value_or(kernel));
     // Eighths of blocks are small enough for what is known of empty space.
     constexpr int kHalf = kCellEdge / 2;
     parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {

@@ -123,9 +123,8 @@ std::tuple<double, Vec3, Mat3> CellSlices::seriesOf(const Light& light, const Bo
 
 template <class Visit>
 void CellSlices::visitRows(const CellGrid& grid, const Visit& visit) const {
-    const Int3 shift(glm::round(m_grid.csFromWs(grid.wsFromCs(Vec3(0)))));
     for (std::size_t b = 0; b < grid.storedBlocks().size(); ++b) {
-        const Int3 first = grid.storedBlocks()[b] * kCellEdge + shift + 1;
+        const Int3 first = grid.storedBlocks()[b] * kCellEdge + firstOf(grid);
         for (int k = 0; k < kCellEdge; ++k)
             for (int j = 0; j < kCellEdge; ++j)
                 visit(paddedRow(first[axes[1]] + j, first[axes[2]] + k), first[axes[0]],
@@ -139,9 +138,9 @@ void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach, bool val
     const BlockColumns columns(m_grid, axes);
     const std::size_t step = strideOf(axes[0]), perSlice = std::size_t(size[1] + 2);
     const std::size_t rows = perSlice * std::size_t(size[2]);
-    full = RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
+    m_full = RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
         // The box is one cell larger than the grid.
-        const int j = static_cast<int>(row % perSlice) - 2, k = static_cast<int>(row / perSlice) - 1;
+        const int j = placeOf(row, 1).j - 1, k = placeOf(row, 1).k - 1;
         for (const std::uint32_t b : columns.at(j, k)) {
             const Real* cells = perWorldUnit.data() + std::size_t(b) * kBlockCells +
                                 std::size_t(j % kCellEdge) * strideOf(axes[1]) +
@@ -154,14 +153,14 @@ void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach, bool val
         }
     });
     crossed = RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
-        append(full.row(row), spans);
-        if ((row + 1) % perSlice != 0) append(full.row(row + 1), spans);
+        append(m_full.row(row), spans);
+        if ((row + 1) % perSlice != 0) append(m_full.row(row + 1), spans);
     });
     wanted = near(reach);
     beside = {};
     if (values)
         beside = RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
-            const int j = static_cast<int>(row % perSlice) - 1, k = static_cast<int>(row / perSlice);
+            const auto [j, k] = placeOf(row, 1);
             for (int one = std::max(j, 0); one <= std::min(j + 1, size[1] - 1); ++one)
                 append(wanted.row(rowIndex(one, k)), spans);
         });
@@ -176,7 +175,7 @@ void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach, bool val
 void CellSlices::refill(const std::vector<Real>& perWorldUnit) {
     const auto edge = static_cast<Real>(m_grid.edge());
     visitRows(m_grid, [&](std::size_t row, int i, std::size_t cell, std::size_t step) {
-        const CellSpan span = full.around(row);
+        const CellSpan span = m_full.around(row);
         Real* to = m_extinction.data() + m_rowAt[row];
         for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
             to[at] = edge * perWorldUnit[cell + std::size_t(at - i) * step];
@@ -186,8 +185,7 @@ void CellSlices::refill(const std::vector<Real>& perWorldUnit) {
 void CellSlices::face(const CellGrid& of, const SurfaceNormals& normals) {
     for (std::vector<Real>& part : m_facing) clear(part, m_sliceAt.back());
     visitRows(of, [&](std::size_t row, int i, std::size_t cell, std::size_t step) {
-        const int k = static_cast<int>(row / std::size_t(size[1] + 2)),
-                  j = static_cast<int>(row % std::size_t(size[1] + 2)) - 1;
+        const auto [j, k] = placeOf(row, 1);
         for (const CellSpan& span : wanted.row(rowIndex(j, k)))
             for (std::size_t part = 0; part < m_facing.size(); ++part) {
                 const std::vector<Real>& from = normals[part < 3 ? std::size_t(axes[part]) : part];
@@ -212,15 +210,15 @@ void CellSlices::classify(const SurfaceCells* surfaces, const ExtinctionIntegral
 
 // The spans up to `reach` cells from `full`.
 RowSpans CellSlices::near(int reach) const {
-    const auto across = std::size_t(size[1]), rows = across * std::size_t(size[2]);
+    const std::size_t rows = std::size_t(size[1]) * std::size_t(size[2]);
     const RowSpans along = RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
-        const int j = static_cast<int>(row % across), k = static_cast<int>(row / across);
+        const auto [j, k] = placeOf(row);
         for (int one = std::max(j - reach, 0); one <= std::min(j + reach, size[1] - 1); ++one)
-            for (const CellSpan& span : full.row(paddedRow(one, k)))
+            for (const CellSpan& span : m_full.row(paddedRow(one, k)))
                 spans.push_back({std::max(span.begin - reach, 0), std::min(span.end + reach, size[0])});
     });
     return RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
-        const int j = static_cast<int>(row % across), k = static_cast<int>(row / across);
+        const auto [j, k] = placeOf(row);
         for (int one = std::max(k - reach, 0); one <= std::min(k + reach, size[2] - 1); ++one)
             append(along.row(rowIndex(j, one)), spans);
     });
@@ -230,31 +228,31 @@ RowSpans CellSlices::near(int reach) const {
 RowSpans CellSlices::within(const std::vector<const CellGrid*>& shown) const {
     constexpr int kBeside = 2;  // cells: one to look up between, one to sharpen by
     std::vector<BlockColumns> columns;
-    std::vector<Int3> shifts;
+    std::vector<Int3> firsts;
     for (const CellGrid* grid : shown) {
         columns.emplace_back(*grid, axes);
-        shifts.emplace_back(glm::round(m_grid.csFromWs(grid->wsFromCs(Vec3(0)))) + 1.0);
+        firsts.push_back(firstOf(*grid));
     }
     // The spans that the blocks of grid g have in the row (j, k), or in one beside it.
     const auto blocksAt = [&](std::size_t g, int j, int k, std::vector<CellSpan>& spans) {
         const std::vector<Int3>& places = shown[g]->storedBlocks();
         for (const int atK : {k - kBeside, k + kBeside})
             for (const int atJ : {j - kBeside, j + kBeside})
-                for (const std::uint32_t b : columns[g].at(atJ - shifts[g][axes[1]], atK - shifts[g][axes[2]])) {
-                    const int i = places[b][axes[0]] * kCellEdge + shifts[g][axes[0]];
+                for (const std::uint32_t b : columns[g].at(atJ - firsts[g][axes[1]], atK - firsts[g][axes[2]])) {
+                    const int i = places[b][axes[0]] * kCellEdge + firsts[g][axes[0]];
                     spans.push_back({i - kBeside, i + kCellEdge + kBeside});
                 }
     };
-    const auto across = std::size_t(size[1]);
-    return RowSpans::of(across * std::size_t(size[2]), [&](std::size_t row, std::vector<CellSpan>& spans) {
-        if (wanted.empty(row)) return;
-        std::vector<CellSpan> blocks;
-        for (std::size_t g = 0; g < shown.size(); ++g)
-            blocksAt(g, static_cast<int>(row % across), static_cast<int>(row / across), blocks);
-        for (const CellSpan& own : wanted.row(row))
-            for (const CellSpan& block : blocks)
-                spans.push_back({std::max(own.begin, block.begin), std::min(own.end, block.end)});
-    });
+    return RowSpans::of(std::size_t(size[1]) * std::size_t(size[2]),
+                        [&](std::size_t row, std::vector<CellSpan>& spans) {
+                            if (wanted.empty(row)) return;
+                            const auto [j, k] = placeOf(row);
+                            std::vector<CellSpan> blocks;
+                            for (std::size_t g = 0; g < shown.size(); ++g) blocksAt(g, j, k, blocks);
+                            for (const CellSpan& own : wanted.row(row))
+                                for (const CellSpan& block : blocks)
+                                    spans.push_back({std::max(own.begin, block.begin), std::min(own.end, block.end)});
+                        });
 }
 
 // Finds the places of rows in memory. Cell 0 of the first one would be before the first that is kept.
@@ -271,7 +269,7 @@ void CellSlices::keepRows() {
             const std::size_t row = paddedRow(j, k);
             CellSpan& kept = m_kept[row];
             for (int near = std::max(j - 1, -1); near <= std::min(j + 1, size[1]); ++near)
-                kept = kept.with(full.around(paddedRow(near, k)));
+                kept = kept.with(m_full.around(paddedRow(near, k)));
             if (j >= 0 && j < size[1]) kept = kept.with(wanted.around(rowIndex(j, k)));
             // Rays find values between the cells of two rows.
             for (int near = std::max(j - 1, -1); beside.rows() > 0 && near <= j; ++near) {
@@ -327,11 +325,10 @@ void CellSlices::clearSums(std::size_t sums) {
 template <class Visit, class Wanted>
 void CellSlices::visitCells(CellField& field, const Visit& visit, const Wanted& wantsBlock) const {
     const CellGrid& grid = field.grid();
-    const Int3 shift(glm::round(m_grid.csFromWs(grid.wsFromCs(Vec3(0)))));
+    const Int3 shift = firstOf(grid) - 1;  // the border of the block and that of the box are one cell each
     const std::array<std::ptrdiff_t, 3> steps{1, kPaddedEdge, std::ptrdiff_t(kPaddedEdge) * kPaddedEdge};
     const auto step = steps[std::size_t(axes[0])] * static_cast<std::ptrdiff_t>(field.colours());
     parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {
-        // The border of the block and that of the box are one cell each.
         const Int3 first = grid.storedBlocks()[b] * kCellEdge, own = first + shift;
         if (!wantsBlock(Vec3(first) + 0.5 * kCellEdge)) return;
         Int3 place(0);
@@ -407,8 +404,7 @@ void CellSlices::markBlocks(Real least, std::vector<bool>& marked) const {
     visitRows(m_grid, [&](std::size_t row, int i, std::size_t cell, std::size_t) {
         const std::size_t b = cell / kBlockCells;
         if (marked[b]) return;
-        const int k = static_cast<int>(row / std::size_t(size[1] + 2)),
-                  j = static_cast<int>(row % std::size_t(size[1] + 2)) - 1;
+        const auto [j, k] = placeOf(row, 1);
         const std::size_t own = rowIndex(j, k);
         for (const CellSpan& span : wanted.row(own))
             for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
@@ -446,7 +442,7 @@ std::size_t CellSlices::bytes() const {
     std::size_t values = m_extinction.size() + m_values.size() + 4 * m_facing[0].size();
     for (const std::vector<Real>& sums : m_sums) values += sums.size();
     return values * sizeof(Real) + m_kept.size() * (sizeof(CellSpan) + sizeof(std::size_t)) +
-           m_sumAt.size() * sizeof(std::size_t) + full.bytes() + crossed.bytes() + beside.bytes() + wanted.bytes();
+           m_sumAt.size() * sizeof(std::size_t) + m_full.bytes() + crossed.bytes() + beside.bytes() + wanted.bytes();
 }
 
 }  // namespace scrim

@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include <glm/common.hpp>
+
 namespace scrim {
 
 /// A box of cells as slices; within a slice there are rows along `i`, one beside the other along `j`. Coordinates are
@@ -26,8 +28,7 @@ class CellSlices {
   public:
     std::array<int, 3> axes{};  ///< the axes of the world along which i, j and the slices run
     std::array<int, 3> size{};  ///< in cells: along i, along j, number of slices
-    RowSpans full;              ///< by `paddedRow`: where there is extinction
-    RowSpans crossed;           ///< by `paddedRow`: where there is some in this row or the next one of the slice
+    RowSpans crossed;           ///< by `paddedRow`: where there is extinction in this row or the next
     RowSpans beside;            ///< by `paddedRow`: where values of a field may be read in this row and the next one
     RowSpans wanted;            ///< by `rowIndex`: cells whose light is looked up
     /// For each slice the rows j that have any of these; those of `crossed` and `beside` are j + 1.
@@ -44,7 +45,8 @@ class CellSlices {
     std::size_t paddedRow(int j, int k) const { return std::size_t(k) * std::size_t(size[1] + 2) + std::size_t(j + 1); }
     std::size_t rowIndex(int j, int k) const { return std::size_t(k) * std::size_t(size[1]) + std::size_t(j); }
     /// The extinction, per cell edge, of row j of slice k, as from i = 0 on. It may be read where a row is wanted, or
-    /// this one or one beside it is full, and from one cell before that to kRowSlack behind. It is 0 beyond the box.
+    /// there is extinction in this one or one beside it, and from one cell before that to kRowSlack behind. It is 0
+    /// beyond the box.
     const Real* row(int j, int k) const { return m_extinction.data() + m_rowAt[paddedRow(j, k)]; }
     /// The result: one of kMostSums sums of light, such as that of a colour, in row j of slice k, as from i = 0 on.
     /// Only where the row is wanted; up to kRowSlack cells behind that may be written.
@@ -105,6 +107,16 @@ class CellSlices {
     std::size_t bytes() const;
 
   private:
+    // What `rowIndex` and, with `around` = 1, `paddedRow` are made of.
+    struct RowPlace {
+        int j, k;
+    };
+    RowPlace placeOf(std::size_t row, int around = 0) const {
+        const auto across = std::size_t(size[1] + 2 * around);
+        return {static_cast<int>(row % across) - around, static_cast<int>(row / across)};
+    }
+    // The cell of the box that is cell 0 of a grid of the same cells.
+    Int3 firstOf(const CellGrid& grid) const { return Int3(glm::round(m_grid.csFromWs(grid.wsFromCs(Vec3(0))))) + 1; }
     RowSpans near(int reach) const;
     RowSpans within(const std::vector<const CellGrid*>& shown) const;
     void keepRows();
@@ -118,6 +130,7 @@ class CellSlices {
     void visitRows(const CellGrid& grid, const Visit& visit) const;
 
     const CellGrid& m_grid;
+    RowSpans m_full;  // by `paddedRow`: where there is extinction
     std::vector<Real> m_extinction;
     std::vector<CellSpan> m_kept;  // by `paddedRow`: cells whose extinction is kept
     // For each row the element of its cell 0, which need not be kept.

@@ -143,16 +143,25 @@ class ParallelRaster {
         int whole;
         double fraction;
     };
-    // Of one row of the rays.
+    // The rays that cross a slice between its rows j and j + 1: `to` is the one that does so at i = 0 or, by the
+    // fractions, beyond it.
+    struct RayRow {
+        int j, k;
+        Real* to;
+        V8 fx, fy;
+        HWY_ATTR RayRow(ParallelRaster& of, int step, int row) : j(row - 1), k(of.slice(step)) {
+            const Offset x(of.m_begin[0] + step * of.m_slope[0]), y(of.m_begin[1] + step * of.m_slope[1]);
+            to = of.through(j - y.whole) - x.whole;
+            fx = value8(x.fraction), fy = value8(y.fraction);
+        }
+    };
     HWY_ATTR void attenuateTo(int step, int row) {
         const D8 d;
-        const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
-        const int j = row - 1, k = slice(step);
+        const auto [j, k, to, fx, fy] = RayRow(*this, step, row);
         const Real* a = m_box.values(j, k);
         const Real* b = m_box.values(j + 1, k);
-        Real* to = through(j - y.whole) - x.whole;
         Real* before = m_before.data() + (to - m_through.data());
-        const V8 fx = value8(x.fraction), fy = value8(y.fraction), perSlice = value8(m_perSlice * m_box.edge());
+        const V8 perSlice = value8(m_perSlice * m_box.edge());
         const V8 empty = hn::Set(d, m_box.integral()->empty);
         // Rays that have met opaque matter are black in whole chunks, which later slices pass over.
         const auto first = static_cast<std::size_t>(to - m_through.data());
@@ -181,12 +190,10 @@ class ParallelRaster {
 
     HWY_ATTR void attenuate(int step, int row) {
         const D8 d;
-        const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
-        const int j = row - 1, k = slice(step);
+        const auto [j, k, to, fx, fy] = RayRow(*this, step, row);
         const Real* a = m_box.row(j, k);
         const Real* b = m_box.row(j + 1, k);
-        Real* to = through(j - y.whole) - x.whole;
-        const V8 fx = value8(x.fraction), fy = value8(y.fraction), perSlice = value8(m_perSlice);
+        const V8 perSlice = value8(m_perSlice);
         for (const CellSpan& span : m_box.crossed.row(m_box.paddedRow(j, k)))
             for (int i = span.begin - 1; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
                 const V8 left = hn::LoadU(d, to + i);

@@ -124,6 +124,11 @@ struct Job {
     std::shared_ptr<CellField> mirrored = {};   // its highlights, if it has any; `field` has its diffuse part
 };
 
+// Exactly at the centre of a cell, a point would belong to no face of the cube around it.
+Vec3 placeOfPoint(const Vec3& ws, const CellSlices& slices) {
+    return slices.place(ws + slices.edge() * Vec3(1e-4, 1.1e-4, 1.2e-4));
+}
+
 // One pass of some sources of light through the cells, for one or all colours.
 class Pass {
   public:
@@ -225,8 +230,7 @@ class Pass {
         rays.blocked = sources.blocked;
         if (rays.parallel) return rays;
         const double edge = m_grid.edge();
-        // A lamp exactly at the centre of a cell would belong to no face of the cube around it.
-        rays.from = slices.place(light.wsPosition + edge * Vec3(1e-4, 1.1e-4, 1.2e-4));
+        rays.from = placeOfPoint(light.wsPosition, slices);
         if (rays.lamp) return rays;  // the field divides by its distance
         rays.radius2 = light.point().radius * light.point().radius / (edge * edge);
         rays.decayScale = light.point().decay ? 1 / (edge * edge) : 0;
@@ -418,22 +422,23 @@ std::vector<bool> blocksSeen(const ViewScene& scene, const CellGrid& grid, const
     for (const ViewVolume& volume : scene.volumes) hiding.push_back(!volume.holdout);
     std::vector<Real> extinction(grid.cells(), Real(0));
     surfaces.addTo(extinction, hiding);
+    const bool parallel = scene.camera.type == CameraType::orthographic;
+    const Vec3 wsAxis = viewingAxis(scene.camera);
     CellSlices slices(grid);
     std::vector<bool> seen(grid.storedBlocks().size(), false);
     for (int axis = 0; axis < 3; ++axis) {
+        if (parallel && axisOfLargest(glm::abs(wsAxis)) != axis) continue;
         slices.layAlong(axis);
         slices.fill(extinction, reach, surfaces.byValue());
         surfaces.classify(slices);
         slices.clearSums(1);
-        CellRays rays{.parallel = scene.camera.type == CameraType::orthographic,
-                      .way = slices.reordered(viewingAxis(scene.camera)),
-                      .from = slices.place(scene.camera.wsPosition + grid.edge() * Vec3(1e-4, 1.1e-4, 1.2e-4))};
+        CellRays rays{.parallel = parallel,
+                      .way = slices.reordered(wsAxis),
+                      .from = placeOfPoint(scene.camera.wsPosition, slices)};
         rays.weight[0] = 1;
-        if (rays.parallel && axisOfLargest(glm::abs(viewingAxis(scene.camera))) != axis) continue;
-        const CellView view;
         for (const bool down : {false, true})
-            if (!rays.parallel || down == (rays.way.z < 0))
-                SCRIM_ON_TARGET(simd, sweepCells)({rays}, view, rays.parallel, down, slices, checkpoint);
+            if (!parallel || down == (rays.way.z < 0))
+                SCRIM_ON_TARGET(simd, sweepCells)({rays}, CellView(), parallel, down, slices, checkpoint);
         slices.markBlocks(static_cast<Real>(kUnseen / (4 * std::numbers::pi)), seen);
     }
     return seen;
@@ -505,15 +510,13 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
                                     const std::function<void()>& checkpoint, std::size_t& bytes) {
     // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them. Cells of
     // surfaces know where these begin; only texels blur that.
-    const bool alone = std::ranges::none_of(
-        scene.volumes, [](const ViewVolume& volume) { return !volume.classified && !volume.field->empty(); });
+    const std::vector<bool> volumes = withVoxels(scene), filled = mediaAmong(scene, volumes);
+    const bool alone = std::ranges::find(filled, true) == filled.end();
     const double sheets = 0.75 * scene.dials.sheetThickness, kernels = kernelRadius(scene);
     const double margin = (kernels + sheets) * voxelUnit(scene);
     const double near = (alone ? std::min(scene.dials.texel, kernels) + sheets : kernels + sheets) * voxelUnit(scene);
     const Vec3 wsCorner = cornerOfVoxels(scene, edge);
-    const std::vector<bool> volumes = withVoxels(scene);
-    std::vector<CellMedia> media{
-        cellMedia(scene, {}, edge, simd, {wsCorner, margin, false, mediaAmong(scene, volumes)})};
+    std::vector<CellMedia> media{cellMedia(scene, {}, edge, simd, {wsCorner, margin, false, filled})};
     const int reach = 1 + static_cast<int>(std::ceil(near / edge));
     const auto grid = std::make_shared<const CellGrid>(media.front().grid);
     LitSurfaces surfaces(scene, *grid);

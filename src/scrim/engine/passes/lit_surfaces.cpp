@@ -15,8 +15,8 @@ LitSurfaces::LitSurfaces(const ViewScene& scene, const CellGrid& grid)
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];
         if (!volume.classified || volume.field->empty()) continue;
-        const Kernel kernel = volume.kernel.value_or(scene.dials.kernel);
-        m_cells[v] = std::make_unique<const SurfaceCells>(surfaceCells(grid, volume, kernel, voxelUnit(scene)));
+        m_cells[v] =
+            std::make_unique<const SurfaceCells>(surfaceCells(grid, volume, scene.dials.kernel, voxelUnit(scene)));
     }
     if (m_cells.size() == 1 && m_cells.front() && isByValueAlone(scene.volumes.front())) {
         const ViewVolume& only = scene.volumes.front();
@@ -33,8 +33,7 @@ void LitSurfaces::show(const std::vector<bool>& seen, const Vec3& wsCorner, doub
         const ViewVolume& volume = m_scene.volumes[v];
         if (!m_cells[v] || volume.holdout) continue;
         m_grids[v] = std::make_shared<const CellGrid>(m_grid.edge(), m_cells[v]->boxes(m_grid, seen, margin), wsCorner);
-        const Kernel kernel = volume.kernel.value_or(m_scene.dials.kernel);
-        m_normals[v] = surfaceNormals(*m_grids[v], volume, kernel, voxelUnit(m_scene));
+        m_normals[v] = surfaceNormals(*m_grids[v], volume, m_scene.dials.kernel, voxelUnit(m_scene));
     }
 }
 
