@@ -44,11 +44,21 @@ std::string errorText(const ShotPlan& plan) {
                        100 * plan.promised);
 }
 
+// What each preset takes for a frame; none, if the frame is skipped because its files are missing.
+std::vector<Expected> expectedOf(SceneInput& input, int frame, const RenderOptions& options) {
+    std::vector<Expected> all;
+    for (const std::string& preset : presetNames()) {
+        take(input, preset);
+        all.push_back({preset, input.shot().plan(frame, options)});
+        if (all.back().plan.skipped) return {};
+    }
+    return all;
+}
+
 }  // namespace
 
 void takePresetWithin(SceneInput& input, const SceneOptions& options, Console& console) {
     requireNoQuality(input, options);
-    const int frame = input.frames().front();
     // Warnings are those of the preset that is taken, and come when it renders.
     RenderOptions silent = renderOptionsOf(options, {});
     silent.crop = input.crop();
@@ -56,11 +66,13 @@ void takePresetWithin(SceneInput& input, const SceneOptions& options, Console& c
     silent.progress = [](double) { return interruptSignal() == 0; };
     silent.change = [&input](Scene& scene) { input.change(scene); };
     std::vector<Expected> all;
-    for (const std::string& preset : presetNames()) {
-        take(input, preset);
-        all.push_back({preset, input.shot().plan(frame, silent)});
-        if (all.back().plan.skipped) return;
+    int frame = 0;  // the first that is rendered
+    for (const int each : input.frames()) {
+        frame = each;
+        all = expectedOf(input, each, silent);
+        if (!all.empty()) break;
     }
+    if (all.empty()) return;
     // How fast the machine is, the coarsest preset tells; if even that is far beyond the budget, nobody waits for it.
     constexpr double kHopeless = 3;
     double scale = 1, beside = 0;

@@ -35,6 +35,14 @@ TEST_F(Budget, TakesTheCoarsestWhereNothingFitsAndSaysSo) {
     expectPictureOf("draft");
 }
 
+TEST_F(Budget, IsThatOfTheFirstFrameThatIsThere) {
+    makeVdb(file("smoke.2.vdb"), {{.voxels = box({0, 0, 0}, {7, 7, 7}, 0.2)}});
+    write("sequence.toml", kCamera + "[[volume]]\nfile = \"smoke.#.vdb\"\n" + kLight);
+    const ProgramResult result = runWell(
+        {"render", "sequence.toml", "--frames", "1-2", "-o", "out.#.exr", "--missing", "skip", "--budget", "1000"});
+    EXPECT_TRUE(contains(result.err, "sequence.toml: quality 'ultra', about ")) << result.err;
+}
+
 TEST_F(Budget, KeepsTheDialsThatASceneStates) {
     write("own.toml", kCamera + kVolume + kLight + "[render]\ntexel = 0.9\n");
     const ProgramResult result = runWell({"render", "own.toml", "--budget", "1000", "--stats", "budget.json"});
