@@ -248,7 +248,7 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
     }
     finishLayers(frame);
     if (scene.deep) frame.deep = combined(scene, plan, deep);
-    frame.work.caughtRays = catchShadows(scene, plan.subLights, frame, [&] { goOn(1); });
+    frame.work.caughtRays = catchShadows(scene, frame, [&] { goOn(1); });
     return frame;
 }
 

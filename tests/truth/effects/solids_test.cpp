@@ -225,8 +225,6 @@ TEST(CaughtShadow, IsTheTransmittanceOfASlab) {
     EXPECT_NEAR(red(12), std::exp(-0.5), 1e-3);
 }
 
-// Eight pixels a voxel: few of the rays to the light are marched, and between them what arrives is nearly straight over
-// half a voxel. A crop is the same.
 // Two balls of one mesh, of which the smoke is in front of one: what they send falls with the square of their distance.
 TEST(CaughtShadow, OfALightThatIsAMeshIsThatOfWhatItsPartsSend) {
     ViewScene scene = haze(0.02);
@@ -248,6 +246,31 @@ TEST(CaughtShadow, OfALightThatIsAMeshIsThatOfWhatItsPartsSend) {
     EXPECT_NEAR(renderScene(scene).layers[0].data[3 * (10 * 20 + 10)], expected, 0.01);
 }
 
+// The volumes' light is kept on cells for all that, and costs no shadow buffers.
+TEST(CaughtShadow, OfASkyOrALampIsTheSameWhereverTheVolumesHaveTheirLight) {
+    for (const bool sky : {true, false}) {
+        ViewScene scene = haze(0.02);
+        Light& light = scene.lights.emplace_back();
+        if (sky)
+            light.kind = Light::Dome();
+        else
+            light.kind = Light::Area{AreaShape::sphere, 1, 1, 1}, light.wsPosition = {2, 1, -3};
+        light.name = "soft";
+        scene.lights = {light};
+        scene.layers = {Layer::shadow};
+        scene.solids = oneSolid(squareMesh({0, 0, -15}, {0, 0, 1}, 6), false, false, true);
+        ASSERT_TRUE(makePlan(scene, 2).cellLights.has(0));
+        const Frame onCells = renderScene(scene);
+        scene.lights[0].shadow = ShadowMethod::buffers;
+        ASSERT_FALSE(makePlan(scene, 2).cellLights.has(0));
+        const Frame inBuffers = renderScene(scene);
+        EXPECT_EQ(onCells.layers[0].data, inBuffers.layers[0].data);
+        EXPECT_LT(onCells.layers[0].data[3 * (10 * 20 + 10)], 0.95);
+    }
+}
+
+// Eight pixels a voxel: few of the rays to the light are marched, and between them what arrives is nearly straight over
+// half a voxel. A crop is the same.
 TEST(CaughtShadow, OfSmokeIsThatOfARayFromEachPixel) {
     ViewScene scene = orthographicScene(smokeField(12), {0.25, Rgb(0.9), {}}, 30, 240);
     scene.lights = {distantLight({0.3, 0.2, -1}, 1)};

@@ -2,6 +2,7 @@
 #include <scrim/engine/light/solid_shadow.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/scene/light_at.h>
 #include <scrim/scene/optics.h>
 
@@ -76,11 +77,16 @@ Rgb transmittance(const Marcher& marcher, std::size_t owner, const Parts& parts,
 Parts partsOf(const ViewScene& scene, const SubLights& subLights, std::size_t index) {
     Parts parts;
     if (!scene.lights[index].shadows) return parts;
-    // Without visible volumes a plan has no lights.
-    if (subLights.lights.empty() && !scene.lights[index].extended()) parts.emplace_back(scene.lights[index]);
     for (std::size_t i = 0; i < subLights.owners.size(); ++i)
         if (subLights.owners[i] == static_cast<int>(index)) parts.emplace_back(subLights.lights[i]);
     return parts;
+}
+
+// All lights by their sub-lights, whoever brings their light to the volumes.
+SubLights allSubLights(const ViewScene& scene) {
+    std::vector<ServedLight> served = servedLights(scene);
+    for (ServedLight& light : served) light.inSweeps = true;
+    return subLights(scene, served);
 }
 
 // One layer and what it catches.
@@ -195,17 +201,18 @@ std::optional<Vec3> caughtAt(const Solids& solids, const RayFamily& rays, double
     return origin + caught * direction;
 }
 
-std::uint64_t catchShadows(const ViewScene& scene, const SubLights& subLights, Frame& frame,
-                           const Checkpoint& checkpoint) {
+std::uint64_t catchShadows(const ViewScene& scene, Frame& frame, const Checkpoint& checkpoint) {
+    const bool any = wants(scene, Layer::shadow) && scene.solids && scene.solids->any(SolidRole::catcher);
+    const SubLights all = any ? allSubLights(scene) : SubLights();
     std::vector<Caught> layers;
     for (FrameLayer& layer : frame.layers) {
         if (layer.layer != Layer::shadow) continue;
         std::fill(layer.data.begin(), layer.data.end(), 1.0f);
         const auto light = std::size_t(layer.light);
-        Caught caught{&layer.data, light, partsOf(scene, subLights, light)};
+        Caught caught{&layer.data, light, partsOf(scene, all, light)};
         if (!caught.parts.empty()) layers.push_back(std::move(caught));
     }
-    if (layers.empty() || !scene.solids || !scene.solids->any(SolidRole::catcher)) return 0;
+    if (layers.empty()) return 0;
     const Catcher catcher(scene, layers);
     // Blocks cover all pixels from one corner of the plane on, so that a crop is the same as in the whole picture. They
     // hold whole pixels or are parts of one row of blocks, whose pixels no other thread adds to.

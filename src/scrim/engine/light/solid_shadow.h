@@ -8,7 +8,6 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
-#include <scrim/engine/model/sub_lights.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/scene/view_scene.h>
@@ -51,7 +50,6 @@ std::optional<Vec3> caughtAt(const Solids& solids, const RayFamily& rays, double
 /// of red, green and blue that reaches the first solid of a pixel through all volumes, averaged over the pixel's rays.
 /// It is 1 where that solid does not catch shadows, or there is none. Solids cast no shadows here; the renderer that
 /// draws them does that. Returns the number of rays that were marched. Calls `checkpoint` now and then.
-std::uint64_t catchShadows(const ViewScene& scene, const SubLights& subLights, Frame& frame,
-                           const Checkpoint& checkpoint);
+std::uint64_t catchShadows(const ViewScene& scene, Frame& frame, const Checkpoint& checkpoint);
 
 }  // namespace scrim

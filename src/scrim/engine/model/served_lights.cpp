@@ -29,9 +29,7 @@ std::vector<ServedLight> servedLights(const ViewScene& scene, const std::vector<
 }
 
 bool skiesFromBorder(const ViewScene& scene) {
-    if (std::ranges::none_of(scene.volumes, scattersFully)) return false;
-    const bool caught = scene.solids && wants(scene, Layer::shadow);
-    return !caught &&
+    return std::ranges::any_of(scene.volumes, scattersFully) &&
            std::ranges::all_of(scene.volumes, [](const ViewVolume& v) { return v.field->empty() || scattersFully(v); });
 }
 

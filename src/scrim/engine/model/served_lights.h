@@ -20,15 +20,14 @@ enum class Server {
 /// their own, which shine on all volumes that the sky shines on.
 struct ServedLight {
     std::vector<Server> volumes;  ///< for each of ViewScene::volumes
-    /// The light is represented by sub-lights, because buffers serve a volume or a solid catches each sub-light's
-    /// shadow.
+    /// The light is represented by sub-lights in sweeps, because buffers serve a volume.
     bool inSweeps = true;
 };
 
 /// For each light of the scene. `onCells`: indices of those that are kept on cells.
 std::vector<ServedLight> servedLights(const ViewScene& scene, const std::vector<int>& onCells = {});
 
-/// True if all volumes that have voxels receive skies by the border, and nothing needs their sub-lights.
+/// True if all volumes that have voxels receive skies by the border.
 bool skiesFromBorder(const ViewScene& scene);
 
 }  // namespace scrim

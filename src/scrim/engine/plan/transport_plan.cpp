@@ -100,15 +100,6 @@ int ordinatesFor(const ViewScene& scene) {
     return narrowest <= 0.7 && !wallsSendBack(scene) ? 64 : narrowest <= 0.8 ? 128 : 256;
 }
 
-// The reason why light cannot be kept on cells; empty: it can.
-std::string unfitForCells(const ViewScene& scene) {
-    if (scene.solids && wants(scene, Layer::shadow))
-        for (const Solid& solid : scene.solids->all())
-            if (solid.has(SolidRole::catcher))
-                return fmt::format("mesh '{}' catches the shadow of every sub-light", solid.name);
-    return {};
-}
-
 // For each light of the scene whether any of its sub-lights lights something that is seen.
 std::vector<bool> lightsInView(const ViewScene& scene) {
     const SubLights all = subLights(scene);
@@ -323,8 +314,6 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan) {
 
 CellLightPlan planCellLights(const ViewScene& scene) {
     CellLightPlan plan;
-    plan.unfit = unfitForCells(scene);
-    if (!plan.unfit.empty()) return plan;
     const std::vector<Vec3> corners = wsCorners(scene);
     const Bounds box = wsBounds(scene);
     std::vector<bool> inView;  // empty until it is needed, because it takes time where there are many lights
