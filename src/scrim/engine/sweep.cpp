@@ -201,12 +201,16 @@ std::vector<CellLight> allLightOnCells(const ViewScene& scene, const Plan& plan,
         frame.work.scatterDirections = solved.cellDirections;
     }
     // Lights whose cells have the same size are kept together.
-    std::map<double, std::vector<int>> byEdge;
-    for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i)
-        byEdge[plan.cellLights.edges[i]].push_back(plan.cellLights.lights[i]);
-    for (const auto& [edge, lights] : byEdge)
-        for (CellLight& light : lightOnCells(scene, lights, edge, plan.simd, checkpoint, frame.work.bytes.scattered))
-            all.push_back(std::move(light));
+    for (std::size_t l = 0; l < plan.cellLights.levels.size(); ++l) {
+        const LevelScene level(scene, plan.cellLights, l);
+        std::map<double, std::vector<int>> byEdge;
+        for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i)
+            byEdge[plan.cellLights.levels[l].edges[i]].push_back(plan.cellLights.lights[i]);
+        for (const auto& [edge, lights] : byEdge)
+            for (CellLight& light :
+                 lightOnCells(level, lights, edge, plan.simd, checkpoint, frame.work.bytes.scattered))
+                all.push_back(std::move(light));
+    }
     frame.times.scatter = watch.lap();
     return all;
 }

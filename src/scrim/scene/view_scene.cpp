@@ -152,10 +152,15 @@ PixelWindow wholePicture(const ViewScene& scene) {
 
 double voxelUnit(const ViewScene& scene) {
     double unit = std::numeric_limits<double>::infinity();
-    for (const ViewVolume& volume : scene.volumes)
-        for (const ViewField& field : fieldsOf(volume))
-            for (int axis = 0; axis < 3; ++axis) unit = std::min(unit, glm::length(Vec3(field.wsFromIs[axis])));
+    for (const ViewVolume& volume : scene.volumes) unit = std::min(unit, voxelUnit(volume));
     return unit < std::numeric_limits<double>::infinity() ? unit : 1.0;
+}
+
+double voxelUnit(const ViewVolume& volume) {
+    double unit = std::numeric_limits<double>::infinity();
+    for (const ViewField& field : fieldsOf(volume))
+        for (int axis = 0; axis < 3; ++axis) unit = std::min(unit, glm::length(Vec3(field.wsFromIs[axis])));
+    return unit;
 }
 
 }  // namespace scrim

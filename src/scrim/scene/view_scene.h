@@ -210,5 +210,7 @@ PixelWindow wholePicture(const ViewScene& scene);
 
 /// The smallest voxel edge of all grids in world units, which is the unit of the dials; 1 where all volumes are empty.
 double voxelUnit(const ViewScene& scene);
+/// That of the grids of a volume; infinity if it is empty.
+double voxelUnit(const ViewVolume& volume);
 
 }  // namespace scrim

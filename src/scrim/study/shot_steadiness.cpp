@@ -104,12 +104,14 @@ ShotSteadiness::ShotSteadiness(Shot& shot, int frame, const RenderOptions& rende
         const ViewScene view = loaded->view(m_rendering, dials.lod.value_or(0), VolumesOf::picture);
         if (dials.lod) dials.lod = part * *dials.lod;
         const CellLightPlan lights = makePlan(view, threadCount()).cellLights;
-        const auto smallest = std::min_element(lights.edges.begin(), lights.edges.end());
+        double smallest = 0;  // cells; 0: none
+        for (std::size_t i = 0; i < lights.lights.size(); ++i)
+            smallest = i == 0 ? lights.edge(i) : std::min(smallest, lights.edge(i));
         m_result.promised = promisedError(m_result.quality, anyClassified(view));
         if (anyScattersFully(view))
             m_result.promised = std::max(m_result.promised, promisedScatteringError(m_result.quality));
         m_result.dials = dials;
-        m_result.converged = convergedDials(dials, smallest == lights.edges.end() ? 0 : *smallest / voxelUnit(view));
+        m_result.converged = convergedDials(dials, smallest / voxelUnit(view));
         m_result.threads = threadCount();
     });
 }

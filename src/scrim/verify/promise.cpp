@@ -71,7 +71,7 @@ void addLargeCells(const ViewScene& scene, PromisedDials& promised) {
     promised.beyond.push_back(
         {expected, fmt::format("the light on surfaces is kept on cells {:.2g} times as large as it needs, which would "
                                "take too much memory; a larger --memory allows smaller ones",
-                               cells.coarser)});
+                               cells.coarser())});
 }
 
 // What the lobes of phase functions and the spreads of surfaces leave, where they are narrow beside the lights.

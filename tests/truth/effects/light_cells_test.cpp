@@ -544,7 +544,7 @@ TEST(LightOnCells, TakesAboutTheMemoryThatThePlanSays) {
             ASSERT_EQ(plan.lights.size(), std::size_t(lamps));
             std::size_t bytes = 0;
             lightOnCells(
-                scene, plan.lights, plan.edges[0], {}, [] {}, bytes);
+                scene, plan.lights, plan.edge(0), {}, [] {}, bytes);
             EXPECT_LT(double(bytes), 1.6 * double(plan.bytes)) << lamps << " lamps, solids " << solids;
             EXPECT_GT(double(bytes), 0.4 * double(plan.bytes)) << lamps << " lamps, solids " << solids;
         }

@@ -290,7 +290,7 @@ TEST(LinkedCells, ThePlanSaysWhatTheyTake) {
         << reason(scene);
     const CellLightPlan linked = planCellLights(scene);
     std::size_t bytes = 0;
-    for (const double edge : {linked.edges[0]})
+    for (const double edge : {linked.edge(0)})
         lightOnCells(
             scene, linked.lights, edge, {}, [] {}, bytes);
     EXPECT_LT(double(bytes), 1.6 * double(linked.bytes));

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <memory>
 #include <string>
 #include <utility>
@@ -94,23 +95,26 @@ TEST(SurfacesOnCells, AreKeptWhereTheEyeSeesThem) {
     }
 }
 
-// A scan whose cells take too much memory has larger ones, and says what error they leave; beside smoke it has shadow
-// buffers.
+// A scan whose cells take too much memory has larger ones, and says what error they leave.
 TEST(SurfacesOnCells, OfLargeScansAreCoarserAndSaySo) {
     ViewScene scene = scanOf(look(6, 0.3));
     scene.lights = {domeLight(24)};
     scene.lights.front().shadow = ShadowMethod::cells;
     const CellLightPlan enough = planCellLights(scene);
-    EXPECT_EQ(enough.coarser, 1);
+    EXPECT_EQ(enough.coarser(), 1);
     EXPECT_EQ(errorOfLargeCells(scene, enough), 0);
     scene.memoryLimit = enough.bytes;  // half of it is for cells
     const CellLightPlan large = planCellLights(scene);
     ASSERT_EQ(large.lights.size(), 1u);
-    EXPECT_GT(large.coarser, 1.1);
+    EXPECT_GT(large.coarser(), 1.1);
     EXPECT_LE(large.bytes, scene.memoryLimit / 2);
     EXPECT_GT(errorOfLargeCells(scene, large), 0.01);
     scene.volumes.push_back(orthographicScene(makeField(Int3(-12), Int3(12), 1, twoBalls), {}, 26, 36).volumes[0]);
-    EXPECT_TRUE(planCellLights(scene).lights.empty());
+    // Beside smoke, too; that has cells of its own.
+    const CellLightPlan beside = planCellLights(scene);
+    ASSERT_EQ(beside.levels.size(), 2u);
+    EXPECT_GT(beside.levels[1].coarser, 1.1);
+    EXPECT_GT(errorOfLargeCells(scene, beside), 0.01);
 }
 
 // Fine shadow buffers of the same directions, which agree with brute force for suns in these directions (0.04 %; the
@@ -130,6 +134,29 @@ TEST(SurfacesOnCells, AreNearToFineShadowBuffers) {
         EXPECT_LT(apart(1.5, 0.4, light), 0.01) << name;
         EXPECT_LT(apart(4, 0, light), 0.02) << name;
     }
+}
+
+// Lamps beside a scan and within the box around it: a point, whose shadows cells blur, and a sphere, which is points.
+TEST(SurfacesOnCells, ShowLampsAsShadowBuffersDo) {
+    const std::vector<std::tuple<std::string, Light, double>> lamps{
+        {"point", lamp({5, 9, 9}, 900), 0.03},
+        {"sphere", areaLight(AreaShape::sphere, {12, 9, 9}, 1.5, 0, Rgb(90, 50, 20)), 0.02}};
+    for (const auto& [name, light, tolerance] : lamps) {
+        ViewScene scene = scanOf(look(1.5, 0.4));
+        scene.lights = {light};
+        scene.lights[0].samples = light.extended() ? 64 : 0;
+        scene.dials.lightCell = 1.0 / 3;
+        const Image cells = renderedOn(scene, ShadowMethod::cells);
+        scene.dials.texel = scene.dials.sheetThickness = 0.3;
+        EXPECT_LT(difference(cells, renderedOn(scene, ShadowMethod::buffers)), tolerance) << name;
+    }
+}
+
+// By itself, a lamp in a scan no longer takes windows of directions with a sweep each.
+TEST(SurfacesOnCells, KeepLampsAmongThem) {
+    ViewScene scene = scanOf(look(1.5, 0.4));
+    scene.lights = {lamp({5, 9, 9}, 900), areaLight(AreaShape::sphere, {12, 9, 9}, 1.5, 0, Rgb(90))};
+    EXPECT_EQ(planCellLights(scene).lights, (std::vector<int>{0, 1}));
 }
 
 // Whatever else a surface has: cuts, extinction by gradients, light from behind, smoke and another surface beside it,
@@ -201,10 +228,10 @@ TEST(SurfacesOnCells, AreChosenWhereTheyAreExactEnough) {
         scene.dials.lightError = lightError;
         return makePlan(scene, 1).cellLights;
     };
-    ASSERT_EQ(plan(0.5, ShadowMethod::automatic, 0.005).edges.size(), 1);
-    EXPECT_DOUBLE_EQ(plan(0.5, ShadowMethod::automatic, 0.005).edges[0], 0.5);
-    ASSERT_EQ(plan(1.5, ShadowMethod::automatic, 0.005).edges.size(), 1);
-    EXPECT_DOUBLE_EQ(plan(1.5, ShadowMethod::automatic, 0.005).edges[0], 1.0 / 3);
+    ASSERT_EQ(plan(0.5, ShadowMethod::automatic, 0.005).lights.size(), 1);
+    EXPECT_DOUBLE_EQ(plan(0.5, ShadowMethod::automatic, 0.005).edge(0), 0.5);
+    ASSERT_EQ(plan(1.5, ShadowMethod::automatic, 0.005).lights.size(), 1);
+    EXPECT_DOUBLE_EQ(plan(1.5, ShadowMethod::automatic, 0.005).edge(0), 1.0 / 3);
     EXPECT_TRUE(plan(12, ShadowMethod::automatic, 0.005).lights.empty());
     EXPECT_FALSE(plan(12, ShadowMethod::automatic, 0.05).lights.empty());
     EXPECT_FALSE(plan(12, ShadowMethod::cells, 0.005).lights.empty());

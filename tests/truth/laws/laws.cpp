@@ -75,7 +75,7 @@ Plan planOf(const ViewScene& scene, int threads = 1, double patience = 1) {
     // A pass over the cells for each point or direction of the lights that are kept there.
     double passes = 0;
     for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i) {
-        const Vec3 cells = wsBounds(scene).size() / plan.cellLights.edges[i] + 4.0;
+        const Vec3 cells = wsBounds(scene).size() / plan.cellLights.edge(i) + 4.0;
         passes +=
             pointsOnCells(scene, scene.lights[std::size_t(plan.cellLights.lights[i])]) * cells.x * cells.y * cells.z;
     }
@@ -199,8 +199,8 @@ void require(bool holds) {
 ViewScene settled(ViewScene scene) {
     const Plan plan = planOf(scene);
     scene.dials.shade = plan.shadeAtPixels ? ShadeMode::pixel : ShadeMode::texel;
-    if (!plan.cellLights.edges.empty() && !scene.dials.lightCell)
-        scene.dials.lightCell = std::clamp(plan.cellLights.edges.front() / plan.voxel, 0.25, 16.0);
+    if (!plan.cellLights.lights.empty() && !scene.dials.lightCell)
+        scene.dials.lightCell = std::clamp(plan.cellLights.edge(0) / plan.voxel, 0.25, 16.0);
     return scene;
 }
 

@@ -266,6 +266,7 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
                     const CellPlaces& places) {
     CellMedia media;
     std::vector<Bounds> boxes = cellBoxes(scene, std::max(edge, places.margin));
+    boxes.insert(boxes.end(), places.more.begin(), places.more.end());
     const bool walls = places.walls && !boxes.empty() && solidsBlock(scene);
     if (walls) {
         Bounds all;

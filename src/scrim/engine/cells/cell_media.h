@@ -103,6 +103,7 @@ struct CellPlaces {
     /// For each volume of the scene, whether its values are added to the cells (castersIn); empty: all are. The grid
     /// does not depend on it.
     std::vector<bool> dense = {};
+    std::vector<Bounds> more = {};  ///< world boxes that cells cover, too
 };
 
 /// All volumes of the scene in cells of `edge` world units. A voxel counts as a cube of constant value (in a rotated

@@ -61,6 +61,12 @@ class CellsOfSlice {
 
 }  // namespace
 
+Rgb opticalDepth(const MediaTogether& media, const Vec3& ws, const Vec3& direction, double distance, double most) {
+    Rgb tau(0);
+    for (const CellMedia* one : media) tau += opticalDepths(*one, ws, direction, distance, most).tau;
+    return tau;
+}
+
 Depths bundleDepths(const CellMedia& media, const Vec3& ws, const Vec3& direction, double distance) {
     const CellGrid& grid = media.grid;
     const int axis = axisOfLargest(glm::abs(direction));

@@ -55,6 +55,12 @@ struct Depths {
 Depths opticalDepths(const CellMedia& media, const Vec3& ws, const Vec3& direction, double distance,
                      double most = kMostDepth);
 
+/// Media that hold back the same light, each on cells of its own.
+using MediaTogether = std::vector<const CellMedia*>;
+/// The same through all of them.
+Rgb opticalDepth(const MediaTogether& media, const Vec3& ws, const Vec3& direction, double distance,
+                 double most = kMostDepth);
+
 /// The same for a bundle of rays as wide as a cell, through extinction that is interpolated across the ray's main axis:
 /// `tau` is the depth of the bundle's mean transmittance. A single ray along an axis stays in one row of cells until it
 /// has drifted by half a cell, and then leaves it at once: in a cloud behind which the sun turned by half a degree a

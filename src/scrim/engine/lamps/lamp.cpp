@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/lamps/lamp.h>
 
-#include <scrim/engine/cells/cell_walk.h>
 #include <scrim/geometry/spaces.h>
 
 #include <algorithm>
@@ -43,7 +42,8 @@ double wayFrom(const Light& lamp, double r) {
     return 0.5 * (radius * radius - r * radius + h * h * std::log((r + radius) / h)) / (r - h);
 }
 
-Rgb depthFromSphere(const CellMedia& media, double extinction, const Vec3& wsCenter, double radius, const Vec3& ws) {
+Rgb depthFromSphere(const MediaTogether& media, double extinction, const Vec3& wsCenter, double radius,
+                    const Vec3& ws) {
     constexpr int kAround = 6;
     const double r = glm::distance(ws, wsCenter), least = std::sqrt(std::max(1 - radius * radius / (r * r), 0.0));
     const Mat3 frame = frameAround((wsCenter - ws) / r);
@@ -57,7 +57,7 @@ Rgb depthFromSphere(const CellMedia& media, double extinction, const Vec3& wsCen
             const double angle = turn + 2 * std::numbers::pi * i / kAround;
             const Vec3 direction = frame * Vec3(across * std::cos(angle), across * std::sin(angle), mu);
             sum += weight / kAround *
-                   glm::exp(-extinction * opticalDepths(media, ws, direction, way, kMostDepth / extinction).tau);
+                   glm::exp(-extinction * opticalDepth(media, ws, direction, way, kMostDepth / extinction));
         }
     }
     return -glm::log(glm::max(sum, Rgb(1e-30)));

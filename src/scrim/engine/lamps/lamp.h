@@ -2,7 +2,7 @@
 // A lamp, a point or a small sphere, as light on cells sees it: the way of its light, and where cells know it.
 #pragma once
 
-#include <scrim/engine/cells/cell_media.h>
+#include <scrim/engine/cells/cell_walk.h>
 #include <scrim/scene/light.h>
 
 #include <memory>
@@ -35,8 +35,9 @@ std::shared_ptr<const CellGrid> cellsNear(const Light& lamp, const CellGrid& all
 double wayFrom(const Light& lamp, double r);
 
 /// The optical depth of what is left, on the way to `ws` outside of it, of a sphere's light: of its mean over the solid
-/// angle that the sphere fills there, by 24 rays through the cells, whose extinction counts `extinction` times.
-Rgb depthFromSphere(const CellMedia& media, double extinction, const Vec3& wsCenter, double radius, const Vec3& ws);
+/// angle that the sphere fills there, by 24 rays through the cells of all media, whose extinction counts `extinction`
+/// times.
+Rgb depthFromSphere(const MediaTogether& media, double extinction, const Vec3& wsCenter, double radius, const Vec3& ws);
 
 /// The logarithm of the ratio by which the light of a hollow sphere is too bright where points on a shell of sqrt(3/4)
 /// radii stand for it (pointsOfLamp). What passes b radii beside the centre begins at the surface, sqrt(1 - b^2) radii

@@ -40,7 +40,7 @@ double LampField::wayTo(const Int3& cell) const {
     return std::max(m_hollow ? wayFrom(lamp(), r) : r, kLeastWay * m_values.grid().edge());
 }
 
-void LampField::makeMean(const CellMedia& media, std::shared_ptr<const CellField> open) {
+void LampField::makeMean(const MediaTogether& media, std::shared_ptr<const CellField> open) {
     m_open = std::move(open);
     const double radius = m_hollow ? radiusOfSphere(lamp()) : 0;
     m_values.forCells([&](const Int3& cell, Real* values) {
@@ -60,7 +60,7 @@ void LampField::makeMean(const CellMedia& media, std::shared_ptr<const CellField
 }
 
 // Replaces the mean extinction close to a sphere. Cells at its surface and within continue what is just outside.
-void LampField::keepNearSphere(const CellMedia& media, const Vec3& ws, Real* values) const {
+void LampField::keepNearSphere(const MediaTogether& media, const Vec3& ws, Real* values) const {
     // Cells; optical depths behind which little is left, and of a radius whose light is nearly that of its middle.
     constexpr double kInside = 3, kOutside = 4, kDark = 6, kThin = 1;
     const Vec3& center = lamp().wsPosition;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <scrim/engine/cells/cell_field.h>
+#include <scrim/engine/cells/cell_walk.h>
 #include <scrim/geometry/bounds.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/scene/light.h>
@@ -16,8 +17,6 @@
 #include <optional>
 
 namespace scrim {
-
-struct CellMedia;
 
 /// What a lamp lights.
 struct LampView {
@@ -41,7 +40,7 @@ class LampField {
     /// the way). `media`: what dims the light near the surface of a sphere. There the light comes from so many sides
     /// that the lamp's points do not represent it, and the extinction is computed anew. `open`: the fraction of the
     /// light that passes solids; null: there are no solids.
-    void makeMean(const CellMedia& media, std::shared_ptr<const CellField> open);
+    void makeMean(const MediaTogether& media, std::shared_ptr<const CellField> open);
     /// The lamp's light at a point, with a transmittance of the way there, but for the part that is kept near the lamp.
     Rgb farLight(const Vec3& ws, double transmittance) const;
     /// What farLight gives beyond `reach` (world units) without attenuation, times the square of the distance, if it
@@ -59,7 +58,7 @@ class LampField {
 
   private:
     double wayTo(const Int3& cell) const;
-    void keepNearSphere(const CellMedia& media, const Vec3& ws, Real* values) const;
+    void keepNearSphere(const MediaTogether& media, const Vec3& ws, Real* values) const;
     double nearShare(double r) const;
     double factor(const Vec3& ws) const;
     double decay(double r2) const;

@@ -3,6 +3,7 @@
 #include <scrim/base/error.h>
 
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -140,6 +141,18 @@ std::vector<int> TransportPlan::lights() const {
 
 bool CellLightPlan::has(std::size_t light) const {
     return std::find(lights.begin(), lights.end(), static_cast<int>(light)) != lights.end();
+}
+
+double CellLightPlan::edge(std::size_t i) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const CellLevel& level : levels) least = std::min(least, level.edges[i]);
+    return least;
+}
+
+double CellLightPlan::coarser() const {
+    double most = 1;
+    for (const CellLevel& level : levels) most = std::max(most, level.coarser);
+    return most;
 }
 
 std::vector<int> Plan::lightsOnCells() const {

@@ -123,16 +123,28 @@ struct TransportPlan {
     std::vector<int> lights() const;
 };
 
+/// Volumes whose light is kept on cells of like size (cells/cell_levels.h).
+struct CellLevel {
+    std::vector<bool> volumes;  ///< for each of ViewScene::volumes
+    std::vector<double> edges;  ///< for each light of CellLightPlan the edge of its cells, world units
+    double coarser = 1;         ///< how much larger cells are than they should be, for want of memory
+
+    double smallest() const { return *std::min_element(edges.begin(), edges.end()); }
+};
+
 /// Lights that are kept on cells (passes/light_cells.h) instead of being sums of shadow buffers.
 struct CellLightPlan {
-    std::vector<int> lights;    ///< indices into ViewScene::lights
-    std::vector<double> edges;  ///< for each of them the edge of its cells, world units
-    std::size_t bytes = 0;      ///< approximately
-    double coarser = 1;         ///< how much larger cells are than they should be, for want of memory
-    std::string lamp;           ///< name of the first of them that shines from one point
-    std::string unfit;          ///< the reason why no light can be kept on cells; empty: there is none
+    std::vector<int> lights;        ///< indices into ViewScene::lights
+    std::vector<CellLevel> levels;  ///< as cellLevels() orders them
+    std::size_t bytes = 0;          ///< approximately
+    std::string lamp;               ///< name of the first of them that shines from one point
+    std::string unfit;              ///< the reason why no light can be kept on cells; empty: there is none
 
     bool has(std::size_t light) const;
+    /// The edge of the smallest cells that keep the light lights[i], world units.
+    double edge(std::size_t i) const;
+    /// How much larger cells of any level are than they should be.
+    double coarser() const;
 };
 
 struct EyePart {

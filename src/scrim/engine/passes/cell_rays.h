@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/real.h>
+#include <scrim/engine/passes/cell_slices.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/scene/classified.h>
 #include <scrim/scene/medium.h>
@@ -12,6 +13,7 @@
 #include <functional>
 #include <optional>
 #include <tuple>
+#include <vector>
 
 namespace scrim {
 
@@ -32,6 +34,9 @@ struct CellRays {
     /// Of a part of a surface: its means in place of the phase function; null: that one.
     const PhaseOverCaps* caps = nullptr;
     double capRadius = 0;  ///< of the disk that the part stands for
+    /// The light is for cells of a finer level, between these: no ray is needed that none of the wanted cells asks for,
+    /// but cells beside a face of the cube around a point are lit with it, too.
+    bool forFiner = false;
     Real weight[3] = {0, 0, 0};
 };
 
@@ -47,6 +52,15 @@ struct CellView {
     /// The number of steps after which the ray from + steps perStep (cells of the box) is dark, because it has met a
     /// surface; infinity where it meets none. Parallel rays begin at minus infinity, others at 0.
     std::function<double(const Vec3& from, const Vec3& perStep, bool parallel)> darkFrom;
+};
+
+/// How sources pass the cells: they are all parallel and have the slices' axis as their main one, or are points.
+struct Passage {
+    const CellView& view;
+    CellSlices& box;                         ///< gets their light
+    const std::vector<CellSlices>& coarser;  ///< the media of coarser levels, along the same axis (CoarserLight)
+    const std::function<void()>& checkpoint;
+    bool parallel, down;  ///< down: only rays that pass the slices in descending order
 };
 
 }  // namespace scrim

@@ -156,7 +156,7 @@ void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach, bool val
         append(m_full.row(row), spans);
         if ((row + 1) % perSlice != 0) append(m_full.row(row + 1), spans);
     });
-    wanted = near(reach);
+    wanted = reach == kEverywhere ? everywhere() : near(reach);
     beside = {};
     if (values)
         beside = RowSpans::of(rows, [&](std::size_t row, std::vector<CellSpan>& spans) {
@@ -165,6 +165,7 @@ void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach, bool val
                 append(wanted.row(rowIndex(one, k)), spans);
         });
     if (!shown.empty()) wanted = within(shown);
+    wantedBox = boxOfWanted();
     crossedRows = crossed.usedRows(perSlice);
     besideRows = beside.usedRows(perSlice);
     wantedRows = wanted.usedRows(std::size_t(size[1]));
@@ -206,6 +207,27 @@ void CellSlices::classify(const SurfaceCells* surfaces, const ExtinctionIntegral
         for (int at = std::max(i, span.begin); at < std::min(i + kCellEdge, span.end); ++at)
             to[at] = surfaces->value[cell + std::size_t(at - i) * step];
     });
+}
+
+RowSpans CellSlices::everywhere() const {
+    return RowSpans::of(std::size_t(size[1]) * std::size_t(size[2]), [&](std::size_t, std::vector<CellSpan>& spans) {
+        spans.push_back({0, size[0]});
+    });
+}
+
+CellBox CellSlices::boxOfWanted() const {
+    CellBox box{size, {}};
+    for (std::size_t row = 0; row < wanted.rows(); ++row) {
+        const CellSpan span = wanted.around(row);
+        if (span.empty()) continue;
+        const auto [j, k] = placeOf(row);
+        const std::array<int, 3> first{span.begin, j, k}, last{span.end, j + 1, k + 1};
+        for (std::size_t a = 0; a < 3; ++a) {
+            box.begin[a] = std::min(box.begin[a], first[a]);
+            box.end[a] = std::max(box.end[a], last[a]);
+        }
+    }
+    return box;
 }
 
 // The spans up to `reach` cells from `full`.

@@ -21,6 +21,11 @@
 
 namespace scrim {
 
+/// Cells of slices: along i, along j, and the slices.
+struct CellBox {
+    std::array<int, 3> begin{}, end{};
+};
+
 /// A box of cells as slices; within a slice there are rows along `i`, one beside the other along `j`. Coordinates are
 /// in cells from the corner of the box, which is one cell larger on each side than the grid's stored blocks, because
 /// light is looked up between the centres of cells. Rows keep only those cells that are used.
@@ -31,10 +36,12 @@ class CellSlices {
     RowSpans crossed;           ///< by `paddedRow`: where there is extinction in this row or the next
     RowSpans beside;            ///< by `paddedRow`: where values of a field may be read in this row and the next one
     RowSpans wanted;            ///< by `rowIndex`: cells whose light is looked up
+    CellBox wantedBox;          ///< around them
     /// For each slice the rows j that have any of these; those of `crossed` and `beside` are j + 1.
     std::vector<std::vector<int>> crossedRows, besideRows, wantedRows;
 
     static constexpr std::size_t kMostSums = 6;
+    static constexpr int kEverywhere = -1;
 
     /// `grid` must outlive this object.
     explicit CellSlices(const CellGrid& grid) : m_grid(grid) {}
@@ -42,6 +49,7 @@ class CellSlices {
     void layAlong(int axis);
 
     double edge() const { return m_grid.edge(); }
+    CellBox whole() const { return {{0, 0, 0}, size}; }
     std::size_t paddedRow(int j, int k) const { return std::size_t(k) * std::size_t(size[1] + 2) + std::size_t(j + 1); }
     std::size_t rowIndex(int j, int k) const { return std::size_t(k) * std::size_t(size[1]) + std::size_t(j); }
     /// The extinction, per cell edge, of row j of slice k, as from i = 0 on. It may be read where a row is wanted, or
@@ -76,7 +84,8 @@ class CellSlices {
     const ExtinctionIntegral* integral() const { return m_integral; }
     /// The field's values, as `row` has the extinction.
     const Real* values(int j, int k) const { return m_values.data() + m_rowAt[paddedRow(j, k)]; }
-    /// Takes the grid's extinction, per world unit. Light is wanted up to `reach` cells from where there is any.
+    /// Takes the grid's extinction, per world unit. Light is wanted up to `reach` cells from where there is any;
+    /// kEverywhere: wherever `shown` says.
     /// `values`: those of a field will be asked for.
     /// `shown`: grids of the same cells; light is wanted in their blocks alone, and beside them. None: everywhere.
     void fill(const std::vector<Real>& perWorldUnit, int reach, bool values = false,
@@ -117,6 +126,8 @@ class CellSlices {
     }
     // The cell of the box that is cell 0 of a grid of the same cells.
     Int3 firstOf(const CellGrid& grid) const { return Int3(glm::round(m_grid.csFromWs(grid.wsFromCs(Vec3(0))))) + 1; }
+    RowSpans everywhere() const;
+    CellBox boxOfWanted() const;
     RowSpans near(int reach) const;
     RowSpans within(const std::vector<const CellGrid*>& shown) const;
     void keepRows();

@@ -82,7 +82,9 @@ class ParallelRaster {
                     view.darkFrom({double(p) - 1.5 + m_begin[0], q - 1.5 + m_begin[1], first}, perStep, true));
     }
     int slice(int step) const { return m_down ? m_box.size[2] - 1 - step : step; }
-    bool reaches(int) const { return true; }
+    bool reaches(int step) const {
+        return !m_rays.forFiner || (m_down ? slice(step) >= m_box.wantedBox.begin[2] : step < m_box.wantedBox.end[2]);
+    }
 
     /// What lies between the slice before and this one holds back the rays, by the values of the field.
     HWY_ATTR void attenuateTo(int step) {
@@ -95,9 +97,11 @@ class ParallelRaster {
         for (const int row : m_box.crossedRows[std::size_t(slice(step))]) attenuate(step, row);
     }
 
-    /// Adds the light that arrives in the cells of row j of a slice.
+    /// Adds the light that arrives in the cells of row j of a slice. `left`: what media that the box does not have
+    /// leave of it, as from cell 0 on; null: all.
     template <class Towards>
-    HWY_ATTR void light(int step, int j, const CellView& view, const Towards& towards, CellSlices& box) const {
+    HWY_ATTR void light(int step, int j, const CellView& view, const Towards& towards, const Real* left,
+                        CellSlices& box) const {
         const D8 d;
         const int k = slice(step);
         const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
@@ -130,6 +134,7 @@ class ParallelRaster {
                                    hn::LoadU(d, beside + i - 1), value8(step), fx, fy);
                     arrives = hn::Mul(arrives, open);
                 }
+                if (left) arrives = hn::Mul(arrives, hn::LoadU(d, left + i));
                 addTo(box, view, m_rays, cell, hn::Mul(p, arrives));
                 if constexpr (Towards::kMirrors)
                     addTo(box, view, m_rays, cell, hn::Mul(towards.mirroredAt(wx, wy, wz, cell), arrives),
@@ -229,16 +234,21 @@ class PointRaster {
   public:
     PointRaster(const CellSlices& box, const CellRays& rays, const CellView& view, std::vector<Real>& through,
                 bool down)
-        : m_box(box), m_rays(rays), m_down(down), m_through(through) {
-        while (m_first < box.size[2] && distance(m_first) + 0.5 <= 0) ++m_first;
-        if (m_first == box.size[2]) return;
-        const double near = middle(m_first), far = middle(box.size[2] - 1);
+        : m_box(box), m_rays(rays), m_down(down), m_face(rays.forFiner ? 1.5 : 1), m_through(through) {
+        // In steps: where light is wanted.
+        const CellBox all = rays.forFiner ? box.wantedBox : box.whole();
+        const int begin = down ? box.size[2] - all.end[2] : all.begin[2];
+        m_end = down ? box.size[2] - all.begin[2] : all.end[2];
+        while (m_first < m_end && distance(m_first) + 0.5 <= 0) ++m_first;
+        if (m_first >= m_end) return;
+        const double near = middle(std::max(m_first, begin)), far = middle(m_end - 1);
         m_cell = 1 / std::max(far, 1.0);
         int count[2];
         for (int a = 0; a < 2; ++a) {
-            const double low = -1 - rays.from[a], high = box.size[a] + 1 - rays.from[a];
-            const double least = std::max(-1.0, low / (low < 0 ? near : far)),
-                         most = std::min(1.0, high / (high > 0 ? near : far));
+            const double low = all.begin[std::size_t(a)] - 1 - rays.from[a],
+                         high = all.end[std::size_t(a)] + 1 - rays.from[a];
+            const double least = std::max(-m_face, low / (low < 0 ? near : far)),
+                         most = std::min(m_face, high / (high > 0 ? near : far));
             m_begin[a] = least - 2 * m_cell;
             count[a] = most > least ? static_cast<int>((most - least) / m_cell) + 6 : 0;
         }
@@ -255,7 +265,7 @@ class PointRaster {
                     rays.from, {m_begin[0] + double(p) * m_cell, m_begin[1] + q * m_cell, down ? -1 : 1}, false));
     }
     int slice(int step) const { return m_down ? m_box.size[2] - 1 - step : step; }
-    bool reaches(int step) const { return m_rows > 0 && step >= m_first; }
+    bool reaches(int step) const { return m_rows > 0 && step >= m_first && step < m_end; }
 
     HWY_ATTR void attenuateTo(int step) {
         for (int row = 0; m_rays.attenuated && row < m_rows; ++row) attenuateTo(step, row);
@@ -265,7 +275,8 @@ class PointRaster {
     }
 
     template <class Towards>
-    HWY_ATTR void light(int step, int j, const CellView& view, const Towards& towards, CellSlices& box) const {
+    HWY_ATTR void light(int step, int j, const CellView& view, const Towards& towards, const Real* left,
+                        CellSlices& box) const {
         const D8 d;
         const hn::RebindToSigned<D8> di;
         const int k = slice(step);
@@ -287,8 +298,8 @@ class PointRaster {
             const CellSpan span = range(some, z);
             for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
                 const V8 center = hn::Add(counted(i), half), x = hn::Sub(center, value8(m_rays.from.x));
-                const V8 at = hn::Min(hn::MulAdd(x, perCell, first), value8(m_width + 4)), whole = hn::Floor(at),
-                         fx = hn::Sub(at, whole);
+                const V8 at = hn::Max(hn::Min(hn::MulAdd(x, perCell, first), value8(m_width + 4)), hn::Zero(d)),
+                         whole = hn::Floor(at), fx = hn::Sub(at, whole);
                 const auto p = hn::ConvertTo(di, whole), next = hn::Add(p, hn::Set(di, 1));
                 const V8 a0 = hn::GatherIndex(d, a, p), a1 = hn::GatherIndex(d, a, next);
                 const V8 b0 = hn::GatherIndex(d, b, p), b1 = hn::GatherIndex(d, b, next);
@@ -306,6 +317,7 @@ class PointRaster {
                                    hn::GatherIndex(d, beside, p), hn::GatherIndex(d, beside, next), value8(z), fx, fy);
                     light = hn::Mul(light, open);
                 }
+                if (left) light = hn::Mul(light, hn::LoadU(d, left + i));
                 if (m_rays.decayScale > 0)
                     light = hn::Div(hn::Mul(light, value8(m_rays.decayScale)), hn::Max(r2, value8(m_rays.radius2)));
                 V8 seen = value8(m_rays.capRadius);
@@ -423,7 +435,8 @@ class PointRaster {
     // to the face whose axis comes first in the world.
     bool inclusive(int a) const { return m_box.axes[2] < m_box.axes[std::size_t(a)]; }
     bool owns(int a, double beside, double z) const {
-        return inclusive(a) ? std::abs(beside) <= z : std::abs(beside) < z;
+        const double most = m_face * z;
+        return inclusive(a) ? std::abs(beside) <= most : std::abs(beside) < most;
     }
     // The rays that cross these cells, or half of one beside them; ray p crosses the slice at i = x0 + p perRay.
     CellSpan raysThrough(const CellSpan& cells, double x0, double perRay) const {
@@ -431,7 +444,8 @@ class PointRaster {
                 std::min(m_width, static_cast<int>(std::ceil((cells.end - x0) / perRay)) + 1)};
     }
     CellSpan range(const CellSpan& wanted, double z) const {
-        const double low = m_rays.from.x - z - 0.5, high = m_rays.from.x + z - 0.5;
+        const double reach = m_face * z;
+        const double low = m_rays.from.x - reach - 0.5, high = m_rays.from.x + reach - 0.5;
         const double begin = inclusive(0) ? std::ceil(low) : std::floor(low) + 1,
                      end = inclusive(0) ? std::floor(high) + 1 : std::ceil(high);
         return {std::max(wanted.begin, static_cast<int>(std::max(begin, -1e9))),
@@ -441,7 +455,8 @@ class PointRaster {
     const CellSlices& m_box;
     const CellRays& m_rays;
     bool m_down;
-    int m_first = 0, m_width = 0, m_rows = 0;
+    double m_face;  // half of the edge of a face at distance 1
+    int m_first = 0, m_end = 0, m_width = 0, m_rows = 0;
     double m_cell = 1, m_begin[2] = {0, 0};
     std::size_t m_stride = 0;
     std::vector<Real>& m_through;

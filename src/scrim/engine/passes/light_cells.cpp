@@ -26,6 +26,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/passes/light_cells.cpp"
 #include <hwy/foreach_target.h>
+#include <scrim/engine/passes/coarser_light-inl.h>
 #include <scrim/engine/passes/light_cells-inl.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -36,8 +37,10 @@ namespace HWY_NAMESPACE {
 // until the source before it has passed there, so that the order of all sums is that of the sources, whatever the
 // number of threads. The checkpoint is called by the thread that called this.
 template <class Raster, class Make, class Towards>
-HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& view, const Towards& towards,
-                         CellSlices& box, const std::function<void()>& checkpoint) {
+HWY_ATTR void passSlices(const std::vector<CellRays>& sources, const Make& make, const Passage& passage,
+                         const Towards& towards) {
+    CellSlices& box = passage.box;
+    const std::size_t count = sources.size();
     const std::thread::id caller = std::this_thread::get_id();
     std::vector<std::atomic<int>> passed(count);
     std::atomic<std::size_t> next{0};
@@ -53,17 +56,21 @@ HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& vi
     };
     parallelFor(std::min(count, std::size_t(threadCount())), [&](std::size_t) HWY_ATTR {
         std::vector<Real> memory;
+        CoarserLight coarser(passage.coarser, box);
         for (std::size_t m = next++; m < count; m = next++) {
             const Finish finish{passed[m], next};
-            Raster raster = make(m, memory);
+            const bool held = coarser.any() && sources[m].attenuated;
+            if (held) coarser.pass(sources[m], passage.down);
+            Raster raster = make(sources[m], memory);
             for (int step = 0; step < box.size[2] && next < std::numeric_limits<std::size_t>::max() / 2; ++step) {
-                if (step % 8 == 0 && std::this_thread::get_id() == caller) checkpoint();
+                if (step % 8 == 0 && std::this_thread::get_id() == caller) passage.checkpoint();
                 const bool reached = raster.reaches(step);
                 if (box.integral() && reached) raster.attenuateTo(step);
                 while (m > 0 && passed[m - 1].load(std::memory_order_acquire) <= step) std::this_thread::yield();
                 if (reached)
                     for (const int j : box.wantedRows[std::size_t(raster.slice(step))])
-                        raster.light(step, j, view, towards, box);
+                        raster.light(step, j, passage.view, towards,
+                                     held ? coarser.row(j, raster.slice(step)) : nullptr, box);
                 passed[m].store(step + 1, std::memory_order_release);
                 if (!box.integral() && reached) raster.attenuate(step);
             }
@@ -72,31 +79,31 @@ HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& vi
 }
 
 template <class Towards>
-HWY_ATTR void sweepTowards(const std::vector<CellRays>& sources, const CellView& view, const Towards& towards,
-                           bool parallel, bool down, CellSlices& box, const std::function<void()>& checkpoint) {
-    const std::size_t count = sources.size();
-    if (parallel)
+HWY_ATTR void sweepTowards(const std::vector<CellRays>& sources, const Passage& passage, const Towards& towards) {
+    if (passage.parallel)
         passSlices<ParallelRaster>(
-            count,
-            [&](std::size_t m, std::vector<Real>& memory) { return ParallelRaster(box, sources[m], view, memory); },
-            view, towards, box, checkpoint);
+            sources,
+            [&](const CellRays& rays, std::vector<Real>& memory) {
+                return ParallelRaster(passage.box, rays, passage.view, memory);
+            },
+            passage, towards);
     else
         passSlices<PointRaster>(
-            count,
-            [&](std::size_t m, std::vector<Real>& memory) { return PointRaster(box, sources[m], view, memory, down); },
-            view, towards, box, checkpoint);
+            sources,
+            [&](const CellRays& rays, std::vector<Real>& memory) {
+                return PointRaster(passage.box, rays, passage.view, memory, passage.down);
+            },
+            passage, towards);
 }
 
-// Adds the light of sources that are all parallel and have the slices' axis as their main one, or of points. `down`:
-// only rays that pass the slices in descending order.
-HWY_ATTR void sweepCells(const std::vector<CellRays>& sources, const CellView& view, bool parallel, bool down,
-                         CellSlices& box, const std::function<void()>& checkpoint) {
+HWY_ATTR void sweepCells(const std::vector<CellRays>& sources, const Passage& passage) {
+    const CellView& view = passage.view;
     if (!view.surface)
-        sweepTowards(sources, view, TowardsEye(view), parallel, down, box, checkpoint);
+        sweepTowards(sources, passage, TowardsEye(view));
     else if (view.surface->specular > 0)
-        sweepTowards(sources, view, Reflected<true>(view, box), parallel, down, box, checkpoint);
+        sweepTowards(sources, passage, Reflected<true>(view, passage.box));
     else
-        sweepTowards(sources, view, Reflected<false>(view, box), parallel, down, box, checkpoint);
+        sweepTowards(sources, passage, Reflected<false>(view, passage.box));
 }
 
 }  // namespace HWY_NAMESPACE
@@ -136,7 +143,8 @@ class Pass {
         : m_scene(scene), m_grid(grid), m_simd(simd), m_checkpoint(checkpoint) {}
 
     // `colour`: the only one that the slices' extinction is for; -1: all. What is shown of surfaces must be faced.
-    void add(const Job& job, int colour, CellSlices& slices) const {
+    // `coarser`: see Passage.
+    void add(const Job& job, int colour, const std::vector<CellSlices>& coarser, CellSlices& slices) const {
         const Sources& sources = job.sources;
         const Octave& octave = job.octave;
         const LampField* lamp = job.lamp.get();
@@ -166,7 +174,16 @@ class Pass {
             last = std::upper_bound(first, end, *first);
             const std::size_t sums = job.mirrored ? 2 * colours : colours, to = colour < 0 ? 0 : std::size_t(colour);
             slices.clearSums(sums);
-            sweep(job, std::size_t(first - sources.owners.begin()), std::size_t(last - first), colour, view, slices);
+            const auto begin = std::size_t(first - sources.owners.begin());
+            const auto [suns, points] =
+                raysFrom(job, {begin, std::size_t(last - sources.owners.begin())}, colour, slices);
+            for (const bool down : {false, true}) {
+                const auto pass = [&](const std::vector<CellRays>& rays, bool parallel) {
+                    SCRIM_ON_TARGET(m_simd, sweepCells)(rays, {view, slices, coarser, m_checkpoint, parallel, down});
+                };
+                pass(suns[down ? 1 : 0], true);
+                pass(points, false);
+            }
             if (!lamp && sources.attenuated) slices.sharpen(sums, job.surface >= 0);
             slices.addTo(0, colours, to, field);
             if (job.mirrored) slices.addTo(colours, colours, to, *job.mirrored);
@@ -176,15 +193,20 @@ class Pass {
     }
 
   private:
-    // Adds the light of `count` sources of one light from `first` on to the sums of the slices.
-    void sweep(const Job& job, std::size_t first, std::size_t count, int colour, const CellView& view,
-               CellSlices& slices) const {
+    // Of a light, those that go up, those that go down, and those of points.
+    struct Rays {
+        std::vector<CellRays> suns[2], points;
+    };
+    // The rays of the sources of one light, `range` of those of a job, that pass the slices along their axis.
+    Rays raysFrom(const Job& job, std::pair<std::size_t, std::size_t> range, int colour,
+                  const CellSlices& slices) const {
         static const WidePhase kNarrow;
         const Sources& sources = job.sources;
         const Octave& octave = job.octave;
-        const WidePhase& wide = job.wide.empty() ? kNarrow : job.wide[std::size_t(sources.owners[first])];
-        std::vector<CellRays> suns[2], points;  // suns: those that go up, and those that go down
-        for (std::size_t i = first; i < first + count; ++i) {
+        const WidePhase& wide = job.wide.empty() ? kNarrow : job.wide[std::size_t(sources.owners[range.first])];
+        const std::size_t colours = colour < 0 ? (job.lamp ? job.lamp->values() : *job.field).colours() : 1;
+        Rays out;
+        for (std::size_t i = range.first; i < range.second; ++i) {
             const Light& light = sources.lights[i];
             CellRays rays = raysOf(sources, light, slices);
             rays.extinction = octave.extinction;
@@ -195,19 +217,16 @@ class Pass {
                 rays.capRadius = std::sqrt(sources.parts[i] / std::numbers::pi) / m_grid.edge();
             }
             // Relative to the tint where there is one value for all colours.
-            for (int c = 0; c < static_cast<int>(view.colours); ++c)
+            for (int c = 0; c < static_cast<int>(colours); ++c)
                 rays.weight[c] =
                     static_cast<Real>(octave.share * (sources.colours == 3 ? light.intensity[colour < 0 ? c : colour]
                                                                            : largest(light.intensity)));
             if (!rays.parallel)
-                points.push_back(rays);
+                out.points.push_back(rays);
             else if (axisOfLargest(glm::abs(light.wsDirection)) == slices.axes[2])
-                suns[rays.way.z < 0 ? 1 : 0].push_back(rays);
+                out.suns[rays.way.z < 0 ? 1 : 0].push_back(rays);
         }
-        for (const bool down : {false, true}) {
-            SCRIM_ON_TARGET(m_simd, sweepCells)(suns[down ? 1 : 0], view, true, down, slices, m_checkpoint);
-            SCRIM_ON_TARGET(m_simd, sweepCells)(points, view, false, down, slices, m_checkpoint);
-        }
+        return out;
     }
     // Cells on both sides of a surface, less than a voxel away, are looked up together. If it hides what is behind it,
     // the eye sees but one side of it: where the light shines on that one, cells behind it are lit, too, and else those
@@ -250,10 +269,11 @@ class Pass {
 
 // Lights share a field unless layers, or the volumes and solids that cast shadows in them, tell them apart. Lamps share
 // one with each other, and have small ones of their own.
-std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector<int>& lights) {
+std::vector<std::vector<int>> groupsOf(const LevelScene& level, const std::vector<int>& lights) {
+    const ViewScene& scene = level.all;
     std::vector<int> lamps, others;
     for (const int light : lights)
-        (isLampOnCells(scene, scene.lights[std::size_t(light)]) ? lamps : others).push_back(light);
+        (isLampOnCells(level.own, scene.lights[std::size_t(light)]) ? lamps : others).push_back(light);
     std::vector<std::vector<int>> groups;
     std::map<std::tuple<int, std::vector<bool>, bool>, std::vector<int>> alike;
     for (const int light : others)
@@ -261,7 +281,7 @@ std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector
                isBlocked(scene, std::size_t(light))}]
             .push_back(light);
     for (const auto& [key, some] : alike) groups.push_back(some);
-    const bool together = lampsShareCells(scene);
+    const bool together = lampsShareCells(level.own);
     if (together && !lamps.empty()) groups.push_back(lamps);
     for (std::size_t i = 0; !together && i < lamps.size(); ++i) groups.push_back({lamps[i]});
     return groups;
@@ -270,12 +290,13 @@ std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector
 // Makes the jobs of one group of lights.
 class Jobs {
   public:
-    Jobs(const ViewScene& scene, const std::vector<int>& group, std::shared_ptr<const CellGrid> grid, bool grey)
-        : m_scene(scene),
+    Jobs(const LevelScene& level, const std::vector<int>& group, std::shared_ptr<const CellGrid> grid, bool grey)
+        : m_scene(level.own),
+          m_all(level.all),
           m_group(group),
           m_grid(std::move(grid)),
           m_grey(grey),
-          m_lamps(isLampOnCells(scene, scene.lights[std::size_t(group.front())])) {}
+          m_lamps(isLampOnCells(m_scene, m_scene.lights[std::size_t(group.front())])) {}
 
     // Their fields become those of `direct` or, beyond the first octave, of `again`, which may be the same.
     std::vector<Job> make(CellLight& direct, CellLight& again) const {
@@ -308,7 +329,7 @@ class Jobs {
         for (const int i : m_group)
             if (served[std::size_t(i)].volumes[v] == Server::cells) lit.push_back(i);
         if (lit.empty()) return;
-        Sources sources = coloured(sourcesOf(m_scene, lit));
+        Sources sources = coloured(heldBack(sourcesForSurfaces(m_scene, lit), lit));
         if (sources.lights.empty()) return;
         const auto kept = [&](CellLight& light) {
             const auto field = std::make_shared<CellField>(cells, static_cast<int>(sources.colours), sources.tint);
@@ -322,6 +343,11 @@ class Jobs {
     }
 
   private:
+    // Volumes of any level hold them back.
+    Sources heldBack(Sources sources, const std::vector<int>& lights) const {
+        sources.attenuated = isHeldBack(m_all, std::size_t(lights.front()));
+        return sources;
+    }
     // With a value for each colour where extinction has one.
     Sources coloured(Sources sources) const {
         if (!m_grey) sources.colours = 3;
@@ -342,7 +368,7 @@ class Jobs {
     }
     void addOthers(const std::vector<int>& lit, std::span<const Octave> octaves, VolumeLight& shown,
                    std::vector<Job>& jobs) const {
-        const Sources sources = coloured(sourcesOf(m_scene, lit));
+        const Sources sources = coloured(heldBack(sourcesOf(m_scene, lit), lit));
         if (sources.lights.empty()) return;
         const auto field = std::make_shared<CellField>(m_grid, static_cast<int>(sources.colours), sources.tint);
         shown.field = field;
@@ -365,7 +391,7 @@ class Jobs {
         shown.field = far;
         for (const int i : lit) {
             const Light& light = m_scene.lights[std::size_t(i)];
-            const Sources sources = sourcesOf(m_scene, {i});
+            const Sources sources = heldBack(sourcesOf(m_scene, {i}), {i});
             const auto cells = together ? cellsNear(light, *m_grid, cornerOfVoxels(m_scene, m_grid->edge())) : m_grid;
             for (const Octave& octave : octaves) {
                 LampView view{light, octave.phase, m_scene.camera, octave.extinction};
@@ -380,7 +406,7 @@ class Jobs {
         }
     }
 
-    const ViewScene& m_scene;
+    const ViewScene &m_scene, &m_all;
     const std::vector<int>& m_group;
     std::shared_ptr<const CellGrid> m_grid;
     bool m_grey, m_lamps;
@@ -397,21 +423,110 @@ std::vector<bool> mediaAmong(const ViewScene& scene, std::vector<bool> volumes) 
     return volumes;
 }
 
-// Adds to `media`, which holds those of all volumes, those of the volumes alone that hold back the light of a job.
-void addMedia(const ViewScene& scene, const Vec3& wsCorner, double margin, Simd simd, const LitSurfaces& surfaces,
-              std::vector<Job>& jobs, std::vector<CellMedia>& media) {
-    std::vector<std::vector<bool>> sets{withVoxels(scene)};
-    for (Job& job : jobs) {
-        if (!job.sources.attenuated) continue;
-        const std::vector<bool> casters = castersIn(scene, std::size_t(job.first));
-        job.media = std::size_t(std::find(sets.begin(), sets.end(), casters) - sets.begin());
-        if (job.media < sets.size()) continue;
-        sets.push_back(casters);
-        media.push_back(
-            cellMedia(scene, {}, media[0].grid.edge(), simd, {wsCorner, margin, false, mediaAmong(scene, casters)}));
-        surfaces.addTo(media.back(), casters);
+// The media that hold back the light of some jobs: on the level's own cells, and on those of each coarser level.
+struct Holding {
+    std::vector<bool> casters;  // for each volume of the whole scene
+    CellMedia own;
+    std::vector<CellMedia> coarser;
+    MediaTogether together() const {
+        MediaTogether all{&own};
+        for (const CellMedia& media : coarser) all.push_back(&media);
+        return all;
     }
+    std::size_t bytes() const {
+        std::size_t sum = own.bytes();
+        for (const CellMedia& media : coarser) sum += media.bytes();
+        return sum;
+    }
+};
+
+// The volumes that both have.
+std::vector<bool> both(std::vector<bool> a, const std::vector<bool>& b) {
+    for (std::size_t v = 0; v < a.size(); ++v) a[v] = a[v] && b[v];
+    return a;
 }
+
+// The boxes around the blocks of a grid.
+std::vector<Bounds> boxesOf(const CellGrid& grid) {
+    std::vector<Bounds> boxes;
+    for (const Int3& block : grid.storedBlocks())
+        boxes.push_back({grid.wsFromCs(Vec3(block * kCellEdge)), grid.wsFromCs(Vec3((block + 1) * kCellEdge))});
+    return boxes;
+}
+
+// Makes the media of each level.
+class LevelMedia {
+  public:
+    LevelMedia(const LevelScene& level, double edge, double margin, Simd simd)
+        : m_level(level),
+          m_edge(edge),
+          m_margin(margin),
+          m_corner(cornerOfVoxels(level.own, edge)),
+          m_simd(simd),
+          m_filled(withVoxels(level.holding)) {}
+
+    const Vec3& corner() const { return m_corner; }
+    // What all volumes hold back. Surfaces of the level are not among the media on its own cells.
+    Holding all() const { return with(withVoxels(m_level.all), {}); }
+    // The jobs' own: those of the volumes alone that hold back the light of a job.
+    void addFor(std::vector<Job>& jobs, const LitSurfaces& surfaces, std::vector<Holding>& all) const {
+        for (Job& job : jobs) {
+            if (!job.sources.attenuated) continue;
+            const std::vector<bool> casters = castersIn(m_level.all, std::size_t(job.first));
+            const auto known = std::ranges::find(all, casters, &Holding::casters);
+            job.media = std::size_t(known - all.begin());
+            if (known != all.end()) continue;
+            all.push_back(with(casters, boxesOf(all.front().own.grid)));
+            surfaces.addTo(all.back().own, both(casters, m_filled));
+        }
+    }
+
+  private:
+    Holding with(const std::vector<bool>& casters, const std::vector<Bounds>& known) const {
+        Holding out{casters, {}, {}};
+        out.own = cellMedia(m_level.holding, {}, m_edge, m_simd,
+                            {m_corner, m_margin, false, mediaAmong(m_level.holding, both(casters, m_filled))});
+        const std::vector<Bounds> boxes = known.empty() ? boxesOf(out.own.grid) : known;
+        for (const LevelScene::Coarser& coarser : m_level.coarser)
+            out.coarser.push_back(cellMedia(coarser.scene, {}, coarser.edge, m_simd,
+                                            {cornerOfVoxels(coarser.scene, coarser.edge), coarser.edge, false,
+                                             both(casters, withVoxels(coarser.scene)), grown(boxes, coarser.edge)}));
+        return out;
+    }
+    static std::vector<Bounds> grown(std::vector<Bounds> boxes, double by) {
+        for (Bounds& box : boxes) box.lower -= by, box.upper += by;
+        return boxes;
+    }
+
+    const LevelScene& m_level;
+    double m_edge, m_margin;
+    Vec3 m_corner;
+    Simd m_simd;
+    std::vector<bool> m_filled;
+};
+
+// The media of coarser levels as slices along an axis, with light wanted around all blocks of `own`.
+class CoarserSlices {
+  public:
+    CoarserSlices(const LevelScene& level, const CellGrid& own) {
+        if (level.coarser.empty()) return;
+        const std::vector<Bounds> boxes = boxesOf(own);
+        for (const LevelScene::Coarser& coarser : level.coarser)
+            m_shown.emplace_back(coarser.edge, boxes, cornerOfVoxels(coarser.scene, coarser.edge));
+    }
+    std::vector<CellSlices> along(int axis, const Holding& holding, std::size_t colour) const {
+        std::vector<CellSlices> all;
+        for (std::size_t l = 0; l < m_shown.size(); ++l) {
+            CellSlices& slices = all.emplace_back(holding.coarser[l].grid);
+            slices.layAlong(axis);
+            slices.fill(holding.coarser[l].extinctionOf(colour), CellSlices::kEverywhere, false, {&m_shown[l]});
+        }
+        return all;
+    }
+
+  private:
+    std::vector<CellGrid> m_shown;
+};
 
 // Of the grid's stored blocks, those that the eye sees something of, through surfaces alone. Light need not be known
 // where less than kUnseen of it would come through.
@@ -436,25 +551,28 @@ std::vector<bool> blocksSeen(const ViewScene& scene, const CellGrid& grid, const
                       .way = slices.reordered(wsAxis),
                       .from = placeOfPoint(scene.camera.wsPosition, slices)};
         rays.weight[0] = 1;
+        const CellView even;
+        const std::vector<CellSlices> coarser;
         for (const bool down : {false, true})
             if (!parallel || down == (rays.way.z < 0))
-                SCRIM_ON_TARGET(simd, sweepCells)({rays}, CellView(), parallel, down, slices, checkpoint);
+                SCRIM_ON_TARGET(simd, sweepCells)({rays}, {even, slices, coarser, checkpoint, parallel, down});
         slices.markBlocks(static_cast<Real>(kUnseen / (4 * std::numbers::pi)), seen);
     }
     return seen;
 }
 
 // The jobs for these lights, whose fields become those of `all`.
-std::vector<Job> allJobs(const ViewScene& scene, const std::vector<int>& lights,
+std::vector<Job> allJobs(const LevelScene& level, const std::vector<int>& lights,
                          const std::shared_ptr<const CellGrid>& grid, const LitSurfaces& surfaces, bool grey,
                          std::vector<CellLight>& all) {
+    const ViewScene& scene = level.all;
     std::vector<Job> jobs;
     std::map<int, std::shared_ptr<CellField>> open;  // by lamp
     const auto keep = [&](CellLight&& light) {
         if (std::ranges::any_of(light.ofVolume, [](const auto& own) { return own != nullptr; }))
             all.push_back(std::move(light));
     };
-    for (const std::vector<int>& group : groupsOf(scene, lights)) {
+    for (const std::vector<int>& group : groupsOf(level, lights)) {
         CellLight direct;
         if (wants(scene, Layer::light)) direct.output = Output{Layer::light, lightOfLayer(scene, group.front())};
         direct.ofVolume.resize(scene.volumes.size());
@@ -463,7 +581,7 @@ std::vector<Job> allJobs(const ViewScene& scene, const std::vector<int>& lights,
         diffuse.as = ShownAs::diffuse;
         mirrored.as = ShownAs::mirrored;
         const bool apart = wants(scene, Layer::indirect);
-        const Jobs make(scene, group, grid, grey);
+        const Jobs make(level, group, grid, grey);
         for (Job& job : make.make(direct, apart ? again : direct)) {
             if (job.lamp && isBlocked(scene, std::size_t(job.first))) {
                 std::shared_ptr<CellField>& own = open[job.first];
@@ -500,49 +618,55 @@ void passOpen(const std::vector<Job>& jobs, const Pass& pass, CellSlices& slices
         Sources open = sourcesOfLamp(job.lamp->lamp(), kForEdges * static_cast<int>(job.sources.lights.size()));
         open.attenuated = false;
         open.blocked = true;
-        pass.add(Job{job.first, std::move(open), {}, job.open}, -1, slices);
+        pass.add(Job{job.first, std::move(open), {}, job.open}, -1, {}, slices);
     }
 }
 
 }  // namespace
 
-std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<int>& lights, double edge, Simd simd,
+std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<int>& lights, double edge, Simd simd,
                                     const std::function<void()>& checkpoint, std::size_t& bytes) {
+    const ViewScene &scene = level.all, &own = level.own, &holding = level.holding;
     // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them. Cells of
     // surfaces know where these begin; only texels blur that.
-    const std::vector<bool> volumes = withVoxels(scene), filled = mediaAmong(scene, volumes);
+    const std::vector<bool> filled = mediaAmong(holding, withVoxels(holding));
     const bool alone = std::ranges::find(filled, true) == filled.end();
-    const double sheets = 0.75 * scene.dials.sheetThickness, kernels = kernelRadius(scene);
-    const double margin = (kernels + sheets) * voxelUnit(scene);
-    const double near = (alone ? std::min(scene.dials.texel, kernels) + sheets : kernels + sheets) * voxelUnit(scene);
-    const Vec3 wsCorner = cornerOfVoxels(scene, edge);
-    std::vector<CellMedia> media{cellMedia(scene, {}, edge, simd, {wsCorner, margin, false, filled})};
+    const double sheets = 0.75 * scene.dials.sheetThickness, kernels = kernelRadius(own), unit = voxelUnit(own);
+    const double margin = (kernels + sheets) * unit;
+    const double near = (alone ? std::min(scene.dials.texel, kernels) + sheets : kernels + sheets) * unit;
     const int reach = 1 + static_cast<int>(std::ceil(near / edge));
-    const auto grid = std::make_shared<const CellGrid>(media.front().grid);
-    LitSurfaces surfaces(scene, *grid);
-    if (!surfaces.none()) surfaces.show(blocksSeen(scene, *grid, surfaces, reach, simd, checkpoint), wsCorner, near);
+    const LevelMedia media(level, edge, margin, simd);
+    std::vector<Holding> held{media.all()};
+    const auto grid = std::make_shared<const CellGrid>(held.front().own.grid);
+    LitSurfaces surfaces(holding, *grid);
+    if (hasSurfaces(own))
+        surfaces.show(blocksSeen(holding, *grid, surfaces, reach, simd, checkpoint), withVoxels(own), media.corner(),
+                      near);
     const std::vector<const CellGrid*> shown = alone ? surfaces.grids() : std::vector<const CellGrid*>();
-    surfaces.addTo(media.front(), volumes);
-    const std::size_t rows = media.front().extinction.size();
+    surfaces.addTo(held.front().own, withVoxels(holding));
+    const std::size_t rows = held.front().own.extinction.size();
     const bool grey = rows == 1;
     std::vector<CellLight> all;
-    std::vector<Job> jobs = allJobs(scene, lights, grid, surfaces, grey, all);
+    std::vector<Job> jobs = allJobs(level, lights, grid, surfaces, grey, all);
+    if (jobs.empty()) return all;
     bytes += bytesOf(jobs);
-    addMedia(scene, wsCorner, margin, simd, surfaces, jobs, media);
+    media.addFor(jobs, surfaces, held);
     std::size_t most = 0;
-    const Pass pass(scene, *grid, simd, checkpoint);
+    const Pass pass(own, *grid, simd, checkpoint);
+    const CoarserSlices coarser(level, *grid);
     CellSlices slices(*grid);
     for (int axis = 0; axis < 3; ++axis) {
         slices.layAlong(axis);
-        for (std::size_t i = 0; i < rows * media.size(); ++i) {
-            const std::size_t c = i / media.size(), m = i % media.size();
-            m == 0 ? slices.fill(media[m].extinction[c], reach, surfaces.byValue(), shown)
-                   : slices.refill(media[m].extinction[c]);
+        for (std::size_t i = 0; i < rows * held.size(); ++i) {
+            const std::size_t c = i / held.size(), m = i % held.size();
+            m == 0 ? slices.fill(held[m].own.extinction[c], reach, surfaces.byValue(), shown)
+                   : slices.refill(held[m].own.extinction[c]);
+            const std::vector<CellSlices> before = coarser.along(axis, held[m], c);
             for (const Job& job : jobs) {
                 if (job.media != m) continue;
                 if (job.surface >= 0) surfaces.face(job.surface, slices);
                 if (m == 0 && job.sources.attenuated) surfaces.classify(slices);
-                pass.add(job, grey ? -1 : static_cast<int>(c), slices);
+                pass.add(job, grey ? -1 : static_cast<int>(c), before, slices);
                 slices.classify(nullptr, nullptr);
             }
         }
@@ -551,10 +675,10 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
     }
     for (const Job& job : jobs)
         if (job.lamp)
-            job.lamp->makeMean(media[job.media], job.open);
+            job.lamp->makeMean(held[job.media].together(), job.open);
         else if (job.surface < 0)
-            addPeaks(scene, job.sources, job.wide, job.octave, media[job.media], *job.field, checkpoint);
-    for (const CellMedia& one : media) bytes += one.bytes();
+            addPeaks(scene, job.sources, job.wide, job.octave, held[job.media].together(), *job.field, checkpoint);
+    for (const Holding& one : held) bytes += one.bytes();
     bytes += most + surfaces.bytes();
     return all;
 }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <scrim/base/simd.h>
+#include <scrim/engine/cells/cell_levels.h>
 #include <scrim/engine/lamps/cell_light.h>
 #include <scrim/scene/view_scene.h>
 
@@ -16,9 +17,9 @@
 
 namespace scrim {
 
-/// The light of these lights of the scene on cells of `edge` world units. Slides must be loaded. Adds the peak of the
-/// memory, in bytes, to `bytes`. `checkpoint` is called between passes; it throws to stop.
-std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<int>& lights, double edge, Simd simd,
+/// The light of these lights of the scene on cells of `edge` world units, for the volumes of a level. Slides must be
+/// loaded. Adds the peak of the memory, in bytes, to `bytes`. `checkpoint` is called between passes; it throws to stop.
+std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<int>& lights, double edge, Simd simd,
                                     const std::function<void()>& checkpoint, std::size_t& bytes);
 
 }  // namespace scrim

@@ -18,20 +18,18 @@ LitSurfaces::LitSurfaces(const ViewScene& scene, const CellGrid& grid)
         m_cells[v] =
             std::make_unique<const SurfaceCells>(surfaceCells(grid, volume, scene.dials.kernel, voxelUnit(scene)));
     }
-    if (m_cells.size() == 1 && m_cells.front() && isByValueAlone(scene.volumes.front())) {
-        const ViewVolume& only = scene.volumes.front();
-        m_integral.emplace(*only.classified, double(only.field->maxValue));
-    }
+    const auto filled = [](const ViewVolume& volume) { return !volume.field->empty(); };
+    const auto only = std::ranges::find_if(scene.volumes, filled);
+    if (std::ranges::count_if(scene.volumes, filled) != 1 || !only->classified || !isByValueAlone(*only)) return;
+    m_only = std::size_t(only - scene.volumes.begin());
+    m_integral.emplace(*only->classified, double(only->field->maxValue));
 }
 
-bool LitSurfaces::none() const {
-    return std::ranges::none_of(m_cells, [](const auto& cells) { return cells != nullptr; });
-}
-
-void LitSurfaces::show(const std::vector<bool>& seen, const Vec3& wsCorner, double margin) {
+void LitSurfaces::show(const std::vector<bool>& seen, const std::vector<bool>& volumes, const Vec3& wsCorner,
+                       double margin) {
     for (std::size_t v = 0; v < m_cells.size(); ++v) {
         const ViewVolume& volume = m_scene.volumes[v];
-        if (!m_cells[v] || volume.holdout) continue;
+        if (!m_cells[v] || volume.holdout || !volumes[v]) continue;
         m_grids[v] = std::make_shared<const CellGrid>(m_grid.edge(), m_cells[v]->boxes(m_grid, seen, margin), wsCorner);
         m_normals[v] = surfaceNormals(*m_grids[v], volume, m_scene.dials.kernel, voxelUnit(m_scene));
     }
@@ -55,7 +53,7 @@ void LitSurfaces::addTo(std::vector<Real>& extinction, const std::vector<bool>& 
 }
 
 void LitSurfaces::classify(CellSlices& slices) const {
-    if (m_integral) slices.classify(m_cells.front().get(), &*m_integral);
+    if (m_integral) slices.classify(m_cells[m_only].get(), &*m_integral);
 }
 
 std::size_t LitSurfaces::bytes() const {

@@ -15,17 +15,16 @@ namespace scrim {
 
 class LitSurfaces {
   public:
-    /// `grid` has the cells of all volumes of the scene; both must outlive this object.
+    /// `grid` has the cells of all volumes of the scene that have voxels; both must outlive this object.
     LitSurfaces(const ViewScene& scene, const CellGrid& grid);
-    bool none() const;
 
     /// The cells that keep what a volume reflects; null: it is none, is only a holdout, or `show` has not been called.
     const std::shared_ptr<const CellGrid>& grid(std::size_t volume) const { return m_grids[volume]; }
     /// Lets slices know which way the surfaces of a volume with such cells face.
     void face(int volume, CellSlices& slices) const;
-    /// Makes these cells, in blocks from `wsCorner`: those of surfaces in the blocks of the scene's grid that are
-    /// `seen`, and up to `margin` world units beyond.
-    void show(const std::vector<bool>& seen, const Vec3& wsCorner, double margin);
+    /// Makes these cells, in blocks from `wsCorner`, for those of the `volumes` that are surfaces: in the blocks of the
+    /// scene's grid that are `seen`, and up to `margin` world units beyond.
+    void show(const std::vector<bool>& seen, const std::vector<bool>& volumes, const Vec3& wsCorner, double margin);
     /// The grids that are not null.
     std::vector<const CellGrid*> grids() const;
 
@@ -42,7 +41,8 @@ class LitSurfaces {
   private:
     const ViewScene& m_scene;
     const CellGrid& m_grid;
-    std::optional<ExtinctionIntegral> m_integral;
+    std::optional<ExtinctionIntegral> m_integral;  // of the only volume that has voxels, m_only
+    std::size_t m_only = 0;
     std::vector<std::unique_ptr<const SurfaceCells>> m_cells;  // by volume; null: it is none
     std::vector<std::shared_ptr<const CellGrid>> m_grids;
     std::vector<SurfaceNormals> m_normals;  // in the cells of m_grids

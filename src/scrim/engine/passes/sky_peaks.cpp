@@ -18,7 +18,7 @@ namespace {
 class SkyPeaks {
   public:
     SkyPeaks(const ViewScene& scene, const Sources& sources, std::size_t owner, const CutPhase& cut,
-             const Octave& octave, const CellMedia& media)
+             const Octave& octave, const MediaTogether& media)
         : m_scene(scene),
           m_sky(scene.lights[std::size_t(sources.ofScene[owner])]),
           m_blocked(sources.blocked),
@@ -48,7 +48,7 @@ class SkyPeaks {
         if (m_blocked && m_scene.solids->firstHit(SolidRole::shadow, ws, way, 0, kInfinity) < kInfinity) return Rgb(0);
         if (!m_attenuated) return radiance;
         return radiance * glm::exp(-m_octave.extinction *
-                                   opticalDepths(m_media, ws, way, kInfinity, kMostDepth / m_octave.extinction).tau);
+                                   opticalDepth(m_media, ws, way, kInfinity, kMostDepth / m_octave.extinction));
     }
     Rgb around(const Vec3& ws, const Vec3& way) const {
         const Rgb middle = along(ws, way);
@@ -68,35 +68,37 @@ class SkyPeaks {
     bool m_blocked, m_attenuated;
     const CutPhase& m_cut;
     const Octave& m_octave;
-    const CellMedia& m_media;
+    const MediaTogether& m_media;
     double m_depth;  // 1 - cos of the angle of the rays around a peak
 };
 
 }  // namespace
 
 void addPeaks(const ViewScene& scene, const Sources& sources, const std::vector<WidePhase>& wide, const Octave& octave,
-              const CellMedia& media, CellField& field, const std::function<void()>& checkpoint) {
+              const MediaTogether& media, CellField& field, const std::function<void()>& checkpoint) {
     if (std::ranges::none_of(wide, [](const WidePhase& own) { return own.ofSky.has_value(); })) return;
     checkpoint();
     // Rays take their time: in larger cells where there are many, between which their light is interpolated.
     constexpr std::size_t kMostCells = 60'000;
     CellMedia larger;
-    const CellMedia* through = &media;
+    const CellMedia* through = media.front();
     while (through->grid.cells() > kMostCells) {
         CellMedia next = coarser(*through);
         if (next.grid.cells() >= through->grid.cells()) break;
         larger = std::move(next);
         through = &larger;
     }
+    MediaTogether all = media;
+    all.front() = through;
     std::vector<SkyPeaks> peaks;
     for (std::size_t owner = 0; owner < wide.size(); ++owner)
-        if (const auto& cut = wide[owner].ofSky) peaks.emplace_back(scene, sources, owner, *cut, octave, *through);
+        if (const auto& cut = wide[owner].ofSky) peaks.emplace_back(scene, sources, owner, *cut, octave, all);
     const auto light = [&](const Vec3& ws) {
         Rgb sum(0);
         for (const SkyPeaks& sky : peaks) sum += sky.at(ws);
         return sources.colours == 1 ? Rgb(largest(sum) / largest(sources.tint)) : sum;
     };
-    if (through == &media) return field.add(light);
+    if (through == media.front()) return field.add(light);
     CellField coarse(std::make_shared<const CellGrid>(larger.grid), static_cast<int>(sources.colours));
     coarse.add(light);
     field.add([&](const Vec3& ws) {

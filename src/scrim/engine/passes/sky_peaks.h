@@ -4,7 +4,7 @@
 #pragma once
 
 #include <scrim/engine/cells/cell_field.h>
-#include <scrim/engine/cells/cell_media.h>
+#include <scrim/engine/cells/cell_walk.h>
 #include <scrim/engine/passes/sources.h>
 
 #include <functional>
@@ -15,6 +15,6 @@ namespace scrim {
 /// Adds it to `field`, which has one colour if the sources have. `wide`: widePhases of `octave`'s phase function for
 /// `sources`. `media`: what attenuates the light. `checkpoint` is called before the work; it throws to stop.
 void addPeaks(const ViewScene& scene, const Sources& sources, const std::vector<WidePhase>& wide, const Octave& octave,
-              const CellMedia& media, CellField& field, const std::function<void()>& checkpoint);
+              const MediaTogether& media, CellField& field, const std::function<void()>& checkpoint);
 
 }  // namespace scrim

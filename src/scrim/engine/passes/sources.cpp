@@ -15,6 +15,15 @@ bool isMesh(const Light& light) {
     return light.area() && light.area()->shape == AreaShape::mesh;
 }
 
+// The light of all if it has one colour.
+void findTint(Sources& sources) {
+    if (sources.lights.empty()) return;
+    sources.tint = sources.lights.front().intensity;
+    for (const Light& light : sources.lights)
+        if (!sameColour(sources.tint, light.intensity)) sources.colours = 3;
+    if (sources.colours == 1) sources.tint /= largest(sources.tint);
+}
+
 }  // namespace
 
 Sources sourcesOfLamp(const Light& light, int count) {
@@ -50,11 +59,32 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
             out.parts.push_back(all.parts[i]);
         }
     out.ofScene = lights;
-    if (out.lights.empty()) return out;
-    out.tint = out.lights.front().intensity;
-    for (const Light& light : out.lights)
-        if (!sameColour(out.tint, light.intensity)) out.colours = 3;
-    if (out.colours == 1) out.tint /= largest(out.tint);
+    findTint(out);
+    return out;
+}
+
+Sources sourcesForSurfaces(const ViewScene& scene, const std::vector<int>& lights) {
+    constexpr int kForEdges = 2;  // times as many points as media need, since shadows on surfaces have edges
+    if (!isLampOnCells(scene, scene.lights[std::size_t(lights.front())])) return sourcesOf(scene, lights);
+    Sources out;
+    out.attenuated = isHeldBack(scene, std::size_t(lights.front()));
+    out.blocked = isBlocked(scene, std::size_t(lights.front()));
+    for (std::size_t owner = 0; owner < lights.size(); ++owner) {
+        const Light& lamp = scene.lights[std::size_t(lights[owner])];
+        const std::vector<Vec3> points = pointsOfLamp(lamp, kForEdges * pointsOnCells(scene, lamp));
+        for (const Vec3& point : points) {
+            Light& light = out.lights.emplace_back(lamp);
+            out.owners.push_back(static_cast<int>(owner));
+            if (!lamp.area()) continue;
+            const double radius = lamp.area()->radius;
+            light.kind = Light::Point{0.5 * radius};
+            light.wsPosition = point;
+            light.intensity *= std::numbers::pi * radius * radius / double(points.size());
+        }
+    }
+    out.parts.assign(out.lights.size(), 0);
+    out.ofScene = lights;
+    findTint(out);
     return out;
 }
 

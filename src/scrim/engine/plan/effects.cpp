@@ -169,18 +169,21 @@ Effect lightsOnCells(const ViewScene& scene, const Plan& plan) {
         const char* why = light.shadow == ShadowMethod::cells ? "the scene sets it"
                           : light.extended()                  ? "it shines from many places"
                                                               : "it is among the volumes";
-        found.add(fmt::format("{}: {}, cells of {:.3g} voxels", quoted(light.name), why,
-                              plan.cellLights.edges[i] / plan.voxel),
+        std::vector<std::string> edges;
+        for (const CellLevel& level : plan.cellLights.levels)
+            edges.push_back(fmt::format("{:.3g}", level.edges[i] / plan.voxel));
+        found.add(fmt::format("{}: {}, cells of {} voxels", quoted(light.name), why, fmt::join(edges, ", ")),
                   "light." + light.name);
     }
     Effect effect = found.effect("lights on cells", "", "shadow buffers serve every light");
     if (lamps > 0 && lampsShareCells(scene))
         effect.reason += fmt::format("; {} lamps share cells, and have their own only near them", lamps);
-    if (plan.cellLights.coarser > 1)
-        effect.reason += fmt::format("; cells are {:.2g} times as large as {}", plan.cellLights.coarser,
-                                     errorOfLargeCells(scene, plan.cellLights) > 0
-                                         ? "surfaces need, which would take too much memory"
-                                         : "small voxels among large volumes need, and blur the shadows of these");
+    for (const CellLevel& level : plan.cellLights.levels)
+        if (level.coarser > 1)
+            effect.reason += fmt::format(
+                "; cells of {:.3g} voxels are {:.2g} times as large as they should be, which "
+                "would take too much memory, and blur shadows",
+                level.smallest() / plan.voxel, level.coarser);
     if (effect.on) effect.reason += setsText(scene, plan.cellLights) + "; about " + bytesText(plan.cellLights.bytes);
     return effect;
 }

@@ -3,20 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include <glm/geometric.hpp>
 
 namespace scrim {
 namespace {
-
-double voxelOf(const ViewVolume& volume) {
-    double edge = std::numeric_limits<double>::infinity();
-    for (const ViewField& field : fieldsOf(volume))
-        for (int axis = 0; axis < 3; ++axis) edge = std::min(edge, glm::length(Vec3(field.wsFromIs[axis])));
-    return edge;
-}
 
 // Surfaces, solids' shadows, deep samples and motion are computed on one lattice.
 bool oneLattice(const ViewScene& scene) {
@@ -36,7 +28,7 @@ std::vector<VolumeLevel> volumeLevels(const ViewScene& scene) {
     if (oneLattice(scene)) return {{finest, all, all}};
     std::map<int, std::vector<std::size_t>> byOctave;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v)
-        if (const double voxel = voxelOf(scene.volumes[v]); std::isfinite(voxel))
+        if (const double voxel = voxelUnit(scene.volumes[v]); std::isfinite(voxel))
             byOctave[static_cast<int>(std::floor(std::log2(voxel / finest) + 1e-9))].push_back(v);
     std::vector<VolumeLevel> levels;
     int first = 0;

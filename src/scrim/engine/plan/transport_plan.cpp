@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/plan/transport_plan.h>
 
-#include <scrim/engine/plan/levels.h>
-
 #include <scrim/base/error.h>
 #include <scrim/scene/picture_cells.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/lamps/lamp.h>
+#include <scrim/engine/cells/cell_levels.h>
 #include <scrim/engine/cells/cell_media.h>
 #include <scrim/engine/solve/cell_sweep.h>
 #include <scrim/engine/solve/last_sweep.h>
@@ -16,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -139,10 +139,6 @@ double depthOfVoxel(const ViewVolume& volume, double voxel) {
            (volume.classified ? mostExtinction(*volume.classified, most) : most * volume.medium.mostExtinction());
 }
 
-bool hasSurfaces(const ViewScene& scene) {
-    return std::ranges::any_of(scene.volumes, [](const ViewVolume& v) { return v.classified && !v.field->empty(); });
-}
-
 // The error of wide light that surfaces keep on cells of this edge (voxels), relative to their light, at the most. By
 // their densest voxels: an optical depth of 0.5, 1.5 and 4 left 0.36, 0.6 and 1.6 % of smooth balls with cells of half
 // a voxel, and 0.2, 0.4 and 0.8 % with a third. A scan whose values differ from voxel to voxel has more: of the teddy
@@ -188,9 +184,7 @@ bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec
     if (!light.shadows && !light.dome() && !isLampOnCells(scene, light)) return false;
     if (light.dome() && skiesFromBorder(scene)) return false;
     const bool forced = light.shadow == ShadowMethod::cells;
-    // Of a lamp, surfaces ask for the direction of each of its points.
-    if (hasSurfaces(scene) && (isLampOnCells(scene, light) || !(forced || surfacesFit(scene, surfaceCell(scene)))))
-        return false;
+    if (hasSurfaces(scene) && !forced && !surfacesFit(scene, surfaceCell(scene))) return false;
     if (shinesInBeams(scene, light)) return false;
     if (light.area() || light.dome())
         return forced || subLightCount(scene, light) >= leastForCells(scene, light, wsCorners);
@@ -274,9 +268,9 @@ void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, const
 
 namespace {
 
-// Memory of the cells of the plan's lights.
-double cellBytes(const ViewScene& scene, const CellLightPlan& plan) {
-    const double least = *std::min_element(plan.edges.begin(), plan.edges.end());
+// Memory of the cells of the plan's lights on a level, which `scene` has alone.
+double cellBytes(const ViewScene& scene, const CellLightPlan& plan, const CellLevel& level) {
+    const double least = level.smallest();
     const Vec3 cells = wsBounds(scene).size() / least + 2.0 * kCellEdge;
     const double colours = oneColour(scene) ? 1 : 3;
     // Lights share fields unless layers, or what casts shadows in them, part them; lamps also have fields of their own,
@@ -310,12 +304,41 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan) {
     return surfaces * sizeof(Real) * (slices + stored * (fields + media) + (shared ? 2 * colours * near : 0));
 }
 
+// Small voxels in a large volume, and large scans, ask for cells that no memory holds. Larger ones blur shadows, and
+// reflect less exactly (errorOfLargeCells); hundreds of shadow buffers would take hours. Of media, whose cells take
+// time, too, a part of the memory is taken. `bytes`: those of each level, which `plan.bytes` becomes the sum of. If no
+// memory holds the cells, the plan becomes one without lights.
+void growCells(const ViewScene& scene, CellLightPlan& plan, std::vector<double>& bytes) {
+    constexpr double kMostBytes = 4e9, kStep = 1.25992105, kOfMedia = 0.25, kMostOfMedia = 8, kMostOfSurfaces = 2;
+    const double most = scene.memoryLimit > 0 ? 0.5 * double(scene.memoryLimit) : kMostBytes;
+    const auto sum = [&] { return std::accumulate(bytes.begin(), bytes.end(), 0.0); };
+    const double wanted = sum();
+    for (bool grows = !scene.dials.lightCell && wanted > most; grows;) {
+        const auto l = std::size_t(std::ranges::max_element(bytes) - bytes.begin());
+        CellLevel& level = plan.levels[l];
+        const ViewScene own = withVoxelsOf(scene, level.volumes);
+        const bool surfaces = hasSurfaces(own);
+        // A scene of like media has no small ones that much larger ones ask to blur.
+        const double limit = surfaces ? kMostOfSurfaces : plan.levels.size() > 1 ? kMostOfMedia : 1;
+        const double part = surfaces || level.coarser == 1 ? 1 : kOfMedia;
+        grows = level.coarser < limit && sum() > part * most;
+        if (!grows) break;
+        level.coarser *= kStep;
+        for (double& edge : level.edges) edge *= kStep;
+        bytes[l] = cellBytes(own, plan, level);
+    }
+    plan.bytes = static_cast<std::size_t>(std::min(sum(), 1e18));
+    if (sum() <= most) return;
+    CellLightPlan none;
+    none.unfit = fmt::format("the cells of all volumes would take {}", bytesText(std::size_t(std::min(wanted, 1e18))));
+    plan = std::move(none);
+}
+
 }  // namespace
 
 CellLightPlan planCellLights(const ViewScene& scene) {
     CellLightPlan plan;
     const std::vector<Vec3> corners = wsCorners(scene);
-    const Bounds box = wsBounds(scene);
     std::vector<bool> inView;  // empty until it is needed, because it takes time where there are many lights
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
@@ -324,37 +347,36 @@ CellLightPlan planCellLights(const ViewScene& scene) {
         if (!inView[i]) continue;
         plan.lights.push_back(static_cast<int>(i));
         if (plan.lamp.empty() && isLampOnCells(scene, light)) plan.lamp = light.name;
-        plan.edges.push_back(lightCell(scene, light, box.size()) * voxelUnit(scene));
     }
     if (plan.lights.empty()) return plan;
-    constexpr double kMostBytes = 4e9, kStep = 1.25992105;
-    const double most = scene.memoryLimit > 0 ? 0.5 * double(scene.memoryLimit) : kMostBytes;
-    double bytes = cellBytes(scene, plan);
-    plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
-    // Small voxels in a large scene, and large scans, ask for cells that no memory holds. Larger ones blur the shadows
-    // of what is small, and reflect less exactly (errorOfLargeCells); hundreds of shadow buffers would take hours. Of
-    // media a part of the memory is taken, since much of it takes time, too. Beside media, whose extinction is added to
-    // theirs, surfaces would have 8 % (the teddy bear in haze, cells of half a voxel).
-    const bool scan = scene.volumes.size() == 1 && hasSurfaces(scene);
-    const double less = scan ? 1 : 0.25, mostCoarser = scan ? 2 : 8;
-    const bool mayGrow = !scene.dials.lightCell && bytes > most && (scan || volumeLevels(scene).size() > 1);
-    while (mayGrow && bytes > (plan.coarser > 1 ? less : 1) * most && plan.coarser < mostCoarser) {
-        plan.coarser *= kStep;
-        for (double& edge : plan.edges) edge *= kStep;
-        bytes = cellBytes(scene, plan);
+    const auto edgesFor = [&](const ViewScene& own) {
+        const Vec3 wsSize = wsBounds(own).size();
+        std::vector<double> edges;
+        for (const int i : plan.lights)
+            edges.push_back(lightCell(own, scene.lights[std::size_t(i)], wsSize) * voxelUnit(own));
+        return edges;
+    };
+    for (std::vector<bool>& volumes :
+         cellLevels(scene, [&](const ViewScene& own) { return std::ranges::min(edgesFor(own)); }))
+        plan.levels.push_back({std::move(volumes), {}});
+    std::vector<double> bytes;
+    for (CellLevel& level : plan.levels) {
+        const ViewScene own = plan.levels.size() > 1 ? withVoxelsOf(scene, level.volumes) : scene;
+        level.edges = edgesFor(own);
+        bytes.push_back(cellBytes(own, plan, level));
     }
-    if (bytes <= most) {
-        plan.bytes = static_cast<std::size_t>(bytes);
-        return plan;
-    }
-    CellLightPlan none;
-    none.unfit = fmt::format("the cells of all volumes would take {}", bytesText(plan.bytes));
-    return none;
+    growCells(scene, plan, bytes);
+    return plan;
 }
 
 double errorOfLargeCells(const ViewScene& scene, const CellLightPlan& cells) {
-    if (cells.coarser == 1 || !hasSurfaces(scene)) return 0;
-    return errorOfSurfaces(scene, *std::ranges::max_element(cells.edges) / voxelUnit(scene));
+    double error = 0;
+    for (const CellLevel& level : cells.levels) {
+        const ViewScene own = withVoxelsOf(scene, level.volumes);
+        if (level.coarser > 1 && hasSurfaces(own))
+            error = std::max(error, errorOfSurfaces(own, *std::ranges::max_element(level.edges) / voxelUnit(own)));
+    }
+    return error;
 }
 
 std::string setsText(const ViewScene& scene, const CellLightPlan& cells) {

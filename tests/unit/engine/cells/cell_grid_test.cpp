@@ -161,7 +161,7 @@ TEST(LampField, IsFiniteAtTheLamp) {
     scene.lights = {lamp({0, 0, 0}, 5)};
     const CellMedia media = cellMedia(scene, {}, 1, Simd(), {.margin = 1});
     LampField field({scene.lights[0], {}, scene.camera}, std::make_shared<const CellGrid>(media.grid), 1);
-    field.makeMean(media, nullptr);
+    field.makeMean({&media}, nullptr);
     Real rgb[3] = {0, 0, 0};
     field.addTo(Vec3(0), rgb);
     EXPECT_TRUE(std::isfinite(rgb[0])) << rgb[0];

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/cells/cell_levels.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <tuple>
+#include <utility>
+
+namespace scrim {
+
+std::vector<std::vector<bool>> cellLevels(const ViewScene& scene,
+                                          const std::function<double(const ViewScene&)>& edgeFor) {
+    // Cells that are up to so many times larger than need be cost less than a level of their own: in ten plumes of
+    // 0.5 to 1.5 times the size, of which some need cells twice as small, two levels take 1.1 times as long as one.
+    constexpr double kAlike = 3;
+    std::map<std::pair<bool, int>, std::vector<bool>> byVoxel;  // surfaces or not, octave
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        const ViewVolume& volume = scene.volumes[v];
+        if (volume.field->empty()) continue;
+        const int octave = static_cast<int>(std::floor(std::log2(voxelUnit(volume) / voxelUnit(scene)) + 1e-9));
+        std::vector<bool>& level = byVoxel[{volume.classified != nullptr, octave}];
+        level.resize(scene.volumes.size(), false);
+        level[v] = true;
+    }
+    std::map<std::tuple<bool, double, int>, std::vector<bool>> byEdge;  // ascending with smaller cells
+    for (auto& [kind, volumes] : byVoxel) {
+        const double edge = byVoxel.size() > 1 ? edgeFor(withVoxelsOf(scene, volumes)) : 0;
+        byEdge[{kind.first, -edge, kind.second}] = std::move(volumes);
+    }
+    std::vector<std::vector<bool>> levels;
+    std::tuple<bool, double, int> first;
+    for (const auto& [kind, volumes] : byEdge) {
+        if (levels.empty() || std::get<bool>(kind) != std::get<bool>(first) ||
+            std::get<double>(first) < kAlike * std::get<double>(kind)) {
+            levels.push_back(volumes);
+            first = kind;
+        } else {
+            for (std::size_t v = 0; v < volumes.size(); ++v) levels.back()[v] = levels.back()[v] || volumes[v];
+        }
+    }
+    return levels;
+}
+
+bool hasSurfaces(const ViewScene& scene) {
+    return std::ranges::any_of(scene.volumes, [](const ViewVolume& v) { return v.classified && !v.field->empty(); });
+}
+
+ViewScene withVoxelsOf(const ViewScene& scene, const std::vector<bool>& volumes) {
+    static const auto kEmpty = std::make_shared<const SparseField>();
+    ViewScene out = scene;
+    for (std::size_t v = 0; v < out.volumes.size(); ++v) {
+        if (volumes[v]) continue;
+        out.volumes[v].field = kEmpty;
+        out.volumes[v].emission.clear();
+        out.volumes[v].scatter.clear();
+    }
+    return out;
+}
+
+LevelScene::LevelScene(const ViewScene& scene, const CellLightPlan& plan, std::size_t level) : LevelScene(scene) {
+    if (plan.levels.size() == 1) return;
+    own = withVoxelsOf(scene, plan.levels[level].volumes);
+    std::vector<bool> finer(scene.volumes.size(), false);
+    for (std::size_t l = level; l < plan.levels.size(); ++l)
+        for (std::size_t v = 0; v < finer.size(); ++v) finer[v] = finer[v] || plan.levels[l].volumes[v];
+    holding = withVoxelsOf(scene, finer);
+    for (std::size_t l = 0; l < level; ++l)
+        coarser.push_back({withVoxelsOf(scene, plan.levels[l].volumes),
+                           std::max(plan.levels[l].smallest(), plan.levels[level].smallest())});
+}
+
+}  // namespace scrim

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which volumes have their light kept on cells of like size. One size for all would have cells as small as the smallest
+// voxels need all over the largest volume. So volumes that can do with much larger cells have these, and surfaces have
+// cells apart from those of media.
+//
+// Light that reaches the cells of a level has passed the volumes of all levels. Those of finer ones are averaged into
+// the level's own cells. Those of coarser ones are on cells of their edge, through which each source of light passes
+// first; what they leave of it is interpolated, and is a factor.
+#pragma once
+
+#include <scrim/engine/model/plan.h>
+#include <scrim/scene/view_scene.h>
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace scrim {
+
+/// For each level, for each of ViewScene::volumes, whether its cells are for that volume: media before surfaces, those
+/// with larger cells first. Volumes without voxels are in none, all others in one. `edgeFor`: the edge of the smallest
+/// cells that a scene needs, world units; it is asked for volumes of like voxels, unless all are.
+std::vector<std::vector<bool>> cellLevels(const ViewScene& scene,
+                                          const std::function<double(const ViewScene&)>& edgeFor);
+
+/// True if a classified volume has voxels.
+bool hasSurfaces(const ViewScene& scene);
+
+/// The scene without the voxels of all other volumes.
+ViewScene withVoxelsOf(const ViewScene& scene, const std::vector<bool>& volumes);
+
+/// The scene as the cells of one level see it.
+struct LevelScene {
+    struct Coarser {
+        ViewScene scene;  ///< the volumes of one of the coarser levels
+        double edge = 0;  ///< of the cells that these are on, world units
+    };
+    ViewScene all;
+    ViewScene own;      ///< the volumes whose light the cells keep
+    ViewScene holding;  ///< these, and all of finer levels
+    std::vector<Coarser> coarser;
+
+    /// All volumes are on one level.
+    LevelScene(const ViewScene& scene) : all(scene), own(scene), holding(scene) {}
+    LevelScene(const ViewScene& scene, const CellLightPlan& plan, std::size_t level);
+};
+
+}  // namespace scrim
