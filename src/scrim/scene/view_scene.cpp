@@ -14,6 +14,17 @@ bool solidsBlock(const ViewScene& scene) {
     return scene.solids && scene.solids->any(SolidRole::shadow);
 }
 
+bool sharpShadows(const ViewScene& scene) {
+    constexpr int kFew = 4;
+    int count = 0;
+    for (const Light& light : scene.lights) {
+        if (!light.shadows || light.intensity == Rgb(0)) continue;
+        if (light.extended()) return false;
+        ++count;
+    }
+    return solidsBlock(scene) && count > 0 && count <= kFew;
+}
+
 bool greySolids(const ViewScene& scene) {
     return !solidsBlock(scene) ||
            std::ranges::none_of(scene.solids->all(), [](const Solid& s) { return s.shadows && !isGrey(s.albedo); });

@@ -163,6 +163,10 @@ bool greyScattering(const ViewScene& scene);
 
 /// True if solids stop light.
 bool solidsBlock(const ViewScene& scene);
+
+/// True if solids block only lights without extent, and few of these: the edges of their shadows are sharp, and few
+/// enough to be resolved by pixels.
+bool sharpShadows(const ViewScene& scene);
 /// True if those that do send all colours back alike.
 bool greySolids(const ViewScene& scene);
 

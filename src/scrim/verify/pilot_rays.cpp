@@ -96,6 +96,7 @@ class PilotScene {
         std::stable_sort(m_lights.begin(), m_lights.end(),
                          [](const PilotLight& a, const PilotLight& b) { return a.power > b.power; });
         if (m_lights.size() > kMostLights) m_lights.resize(kMostLights);
+        if (solidsBlock(scene)) m_solids = scene.solids.get();
         m_ambient = kFourPi * glm::dot(scene.ambient, Rgb(1.0 / 3));
         // In a scene without light only opacity is visible; constant ambient light then stands for it.
         if (m_ambient == 0 && !anyEmits(scene) && (m_lights.empty() || m_lights.front().power == 0)) m_ambient = 1;
@@ -302,6 +303,8 @@ class PilotScene {
         if (power <= 0) return;
         double tau[2] = {0, 0};
         if (l.light->shadows) {
+            // Where solids leave little light, what texels lose counts more.
+            if (m_solids && m_solids->firstHit(SolidRole::shadow, at, way, 0, most) < most) return;
             const double last = m_bounds.clip(at, way, 0, most).second;
             if (!m_even)
                 walk(at, way, 0, last, jitter, [&](double t, double step) {
@@ -328,6 +331,7 @@ class PilotScene {
     std::vector<PilotVolume> m_volumes;
     Cells m_cells;  // empty if there are few volumes
     std::vector<PilotLight> m_lights;
+    const Solids* m_solids = nullptr;  // null: none that blocks light
     double m_ambient = 0;
     Bounds m_bounds;
     double m_voxel = 1;

@@ -26,16 +26,20 @@ namespace {
 
 constexpr int kRays = 48;  // a few milliseconds; more where these disagree
 
-// Refines texels and sheets for the edges of solids' shadows, which are as wide as a texel and whose error is of first
-// order. In examples/scenes/arch.toml, where such edges fill the picture, the error is 3.0, 1.2 and 0.6 % with texels
-// and sheets of 2, 1 and 0.5 voxels, and a third to a half more where sheets are twice as thick as texels are wide.
-void resolveEdges(PromisedDials& promised, double finest) {
-    constexpr double kEdges = 0.018;
-    const double finer = std::max(promised.promised / kEdges, finest);
+// Refines texels and sheets for the edges of solids' shadows, whose error is of first order. At texels they are as wide
+// as a texel: in examples/scenes/arch.toml, where such edges fill the picture, the error is 3.0, 1.2 and 0.6 % with
+// texels and sheets of 2, 1 and 0.5 voxels, and a third to a half more where sheets are twice as thick as texels are
+// wide. At pixels they are as wide as a part of a cell of the light's raster: a lattice in haze has 1.0, 0.54 and 0.35
+// % with texels of 1.4, 1 and 0.55 voxels.
+void resolveEdges(const ViewScene& scene, PromisedDials& promised, double finest) {
+    constexpr double kAtTexels = 0.018, kAtPixels = 0.009;
+    const bool atPixels = sharpShadows(scene) && scene.dials.shade != ShadeMode::texel;
+    const double edges = atPixels ? kAtPixels : kAtTexels, sheets = atPixels ? 1.5 : 2;
+    const double finer = std::max(promised.promised / edges, finest);
     Dials& dials = promised.dials;
     dials.texel = std::min(dials.texel, finer);
-    dials.sheetThickness = std::min(dials.sheetThickness, 2 * finer);
-    promised.expected = std::max(promised.expected, kEdges * std::max(dials.texel, 0.5 * dials.sheetThickness));
+    dials.sheetThickness = std::min(dials.sheetThickness, sheets * finer);
+    promised.expected = std::max(promised.expected, edges * std::max(dials.texel, dials.sheetThickness / sheets));
 }
 
 // Coarser texels would lose what pixels show of surfaces, and save little.
@@ -346,7 +350,7 @@ PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
     if (!classified) addThickness(scene, out);
     if (classified && softlyLit(scene)) addLargeCells(scene, out);
     addNarrow(scene, out);
-    if (solidsBlock(scene)) resolveEdges(out, finest);
+    if (solidsBlock(scene)) resolveEdges(scene, out, finest);
     if (const auto scattered = scatterPilot(scene)) {
         out.scattering.emplace().promised = promisedScatteringError(quality);
         out.scattering->choice = chooseScattering(*scattered, scene.dials, scatteringPart(out));

@@ -14,6 +14,7 @@
 #include <scrim/verify/light_rays.h>
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -69,6 +70,8 @@ class Reference {
     bool isAround(std::size_t index, const ViewVolume& volume, const Vec3& travel) const;
     double slideStep(const Vec3& ws, const Vec3& wsDirection, double step) const;
     double lampStep(const Vec3& ws, double step) const;
+    std::uint64_t blockedLights(const Vec3& ws) const;
+    double edgeStep(const Vec3& ws, const Vec3& wsDirection, double step) const;
     std::vector<LightRay> raysTo(std::size_t light, const Vec3& ws) const;
     Rgb depthTowards(std::size_t light, const Vec3& ws, const LightRay& ray) const;
     bool blocked(const Vec3& ws, const Vec3& toLight, double distance) const;

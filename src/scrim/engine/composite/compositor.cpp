@@ -262,6 +262,8 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const SheetSha
             std::fill(at, at + kTileSize, static_cast<Real>(step));
         points.rays = seen == Seen::all ? &walk.rays : nullptr;
         points.step = static_cast<Real>(step);
+        points.part = seen == Seen::all ? nullptr : part;
+        points.at = seen == Seen::all ? nullptr : at;
         points.spacing = m_eye.pixelSpacing(walk.block + step + 0.5);
         const auto toSlope = static_cast<Real>(shader.slopeScale());
         for (int k = 0; k < kTileSize; ++k) {

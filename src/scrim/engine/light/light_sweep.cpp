@@ -67,6 +67,27 @@ struct LightSweep::Caster {
     std::optional<SolidShadow> solids;
 };
 
+namespace {
+
+// Shadows of solids are as fine as pixels show them, unless they are those of many lights, which blur each other's.
+SolidDetail solidDetail(const ViewScene& scene, const Plan& plan, const GroupPlan& group) {
+    constexpr double kOfPixel = 0.25;
+    const Bounds ws = wsBounds(scene);
+    const double pixel =
+        pixelAt(scene.camera, glm::distance(scene.camera.wsPosition, ws.center())) / scene.dials.antialias;
+    const double cell = scene.dials.shadowTexel * group.sheets.texel;
+    const double wanted = cell / (kOfPixel * pixel) / std::sqrt(double(std::max<std::size_t>(group.lights.size(), 1)));
+    SolidDetail out;
+    while (out.parts < SolidRaster::kMostParts && out.parts < wanted) out.parts *= 2;
+    // Pixels' rays end at surfaces, and look up shadows no further. Texels behind a surface are looked up together with
+    // those in front of it.
+    constexpr double kAtPixels = 0.6, kAtTexels = 2;
+    out.margin = plan.shadeAtPixels ? kAtPixels : kAtTexels;
+    return out;
+}
+
+}  // namespace
+
 LightSweep::~LightSweep() = default;
 
 LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
@@ -77,12 +98,14 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
       m_simd(plan.simd) {
     const ShadowFilter filter = scene.dials.shadowFilter;
     const int lookUps = plan.shadeAtPixels ? 1 : 2;
+    const SolidDetail detail = solidDetail(scene, plan, group);
     for (const PlannedLight& light : group.lights) {
         Caster& caster = m_casters.emplace_back();
         if (!light.shadowed) continue;
         caster.channels = plan.extinction.castIn(std::size_t(plan.subLights.ownerOf(light.light)));
         caster.shadows.resize(std::size_t(m_channels));
-        if (m_passSolids) caster.solids.emplace(*scene.solids, light.view, group.sheets, scene.camera);
+        if (m_passSolids)
+            caster.solids.emplace(*scene.solids, light.view, group.sheets, scene.camera, detail, plan.simd);
         if (!light.lattice.shared() && !caster.channels.empty())
             caster.ownSheets = std::make_unique<ExtinctionSum>(scene, plan, group.sheets, light.lattice,
                                                                group.batchSheets, ExtinctionSum::For::light);

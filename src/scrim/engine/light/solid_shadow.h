@@ -6,6 +6,8 @@
 
 #include <scrim/base/messages.h>
 #include <scrim/base/real.h>
+#include <scrim/engine/light/solid_raster.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/geometry/camera.h>
@@ -19,28 +21,38 @@
 
 namespace scrim {
 
+/// How finely shadows of solids are kept.
+struct SolidDetail {
+    int parts = 2;      ///< of a cell's edge where an edge of a shadow passes; see SolidRaster
+    double margin = 2;  ///< sheets by which light reaches behind a visible lit surface, or ends before a dark one
+};
+
 /// Shadows of solids: for each ray of a light's raster, where it first meets a surface. In contrast to optical depth,
 /// this is known before the sweep begins, and is a single number for each ray.
 class SolidShadow {
   public:
     /// Traces the rays of `view`, a light of a sweep through `sheets`. `camera` tells which side of a surface is
     /// visible.
-    SolidShadow(const Solids& solids, const LightView& view, const Sheets& sheets, const Camera& camera);
+    SolidShadow(const Solids& solids, const LightView& view, const Sheets& sheets, const Camera& camera,
+                const SolidDetail& detail, Simd simd);
 
-    /// Multiplies `light` by the fraction, in [0, 1], that passes the solids to 256 texel positions of sheet n. It is
-    /// interpolated linearly between rays that pass and rays that do not.
+    /// Multiplies `light` by the fraction, in [0, 1], that passes the solids to the eye's paths through sheet n at 256
+    /// samples: the mean over these paths.
+    void multiply(int n, const SampleTile& samples, Real* light) const;
+
+    /// The same to 256 texel positions in the middle of sheet n.
     void multiply(int n, const Real* u, const Real* v, Real* light) const;
 
-    std::uint64_t rays() const { return m_hits.size(); }
-    std::size_t bytes() const { return m_hits.size() * sizeof(float); }
-    static std::size_t bytes(const LightView& view) {
-        return std::size_t(view.width) * std::size_t(view.height) * sizeof(float);
-    }
+    std::uint64_t rays() const { return m_raster.rays(); }
+    std::size_t bytes() const { return m_raster.bytes(); }
+    static std::size_t bytes(const LightView& view) { return SolidRaster::bytes({view.width, view.height}); }
 
   private:
     LightView m_view;
-    // The last N of a sheet that each ray lights, in rows of the raster; infinity: it lights all sheets.
-    std::vector<float> m_hits;
+    Simd m_simd;
+    double m_toTexels;  // texels of a sheet's thickness
+    // The last N that each ray lights; infinity: it lights all sheets.
+    SolidRaster m_raster;
 };
 
 /// The point on the first solid of the ray at raster position (x, y), if that solid catches shadows.

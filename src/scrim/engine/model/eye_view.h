@@ -57,6 +57,10 @@ struct SampleTile {
     /// first.
     const RayTile* rays = nullptr;
     Real step = 0;
+    /// For each sample the part of the sheet that its ray passes, in sheets, and the place of that part's middle, where
+    /// the sample lies, in planes as `step`. Null: rays pass the whole sheet, and samples lie in its middle.
+    const Real* part = nullptr;
+    const Real* at = nullptr;
     SampleSpacing spacing;  ///< one texel unless set otherwise
     /// Depth along the viewing axis, world units, is depth + depthU u + depthV v; only read for the depth output.
     Real depth = 0, depthU = 0, depthV = 0;

@@ -274,6 +274,7 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::ve
             if (near.empty() && !light.ssWindows.empty()) near = plan.subLights.of(light.light).name;
     if (!near.empty()) return fmt::format("light {} is so near that its light changes between texels", near);
     if (eyeAmong(scene, texel)) return "the eye is so near that its view of a sheet changes between texels";
+    if (sharpShadows(scene)) return "shadows of solids have edges that are sharper than texels";
     if (const std::string reason = fineSlide(scene, plan.subLights.lights, culled, texel); !reason.empty())
         return reason;
     return denseMedium(scene, plan);

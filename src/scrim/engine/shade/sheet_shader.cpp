@@ -503,7 +503,7 @@ void SheetShader::passSolids(int p, const SampleTile& samples, Rows& rows) const
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     for (std::size_t i = 0; i < lights.solids.size(); ++i) {
         std::fill_n(rows.unblocked[i].values, kTileSize, Real(1));
-        if (lights.solids[i]) lights.solids[i]->multiply(lights.sheet, samples.u, samples.v, rows.unblocked[i].values);
+        if (lights.solids[i]) lights.solids[i]->multiply(lights.sheet, samples, rows.unblocked[i].values);
     }
 }
 
