@@ -88,9 +88,8 @@ TEST(SlideWithHardBorders, KeepsThePromise) {
     ViewScene scene = roomWithWindow(40);
     scene.solids = nullptr;
     scene.volumes[0].medium.densityScale = 0.01;
-    const auto squares = makeTexture(256, 256, [](int x, int y) {
-        return Rgb(x / 32 % 2 == 0 && y / 32 % 2 == 0 ? 1 : 0);
-    });
+    const auto squares =
+        makeTexture(256, 256, [](int x, int y) { return Rgb(x / 32 % 2 == 0 && y / 32 % 2 == 0 ? 1 : 0); });
     for (const Vec3& from : {Vec3(-60, 8, 12), Vec3(-40, -45, 50)}) {
         scene.lights = {projector(from, 40, squares)};
         EXPECT_LE(errorOf(scene, 300), 0.01) << from.y;

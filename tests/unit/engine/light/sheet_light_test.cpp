@@ -120,6 +120,20 @@ TEST(SlideTile, MinifiedIsTheMeanOfWhatATexelCovers) {
     for (int k = 0; k < kTileSize; ++k) EXPECT_NEAR(tile.tint[2 * kTileSize + k], 1, 1e-5);
 }
 
+// 11 pixels a texel: half a box is 5.5 of them, and pixels of 4 and 8 reach one and a half of their edges.
+TEST(SlideTile, MinifiedEdgeIsHardlyWiderThanATexel) {
+    const auto image = makeTexture(1024, 1024, [](int x, int) { return Rgb(x < 517 ? 0 : 1); });
+    const Setting s(distantSlide({0, 0, -1}, 1024 / 11.0, image));
+    const double step = s.exact(40, 40, 9.5).x == s.exact(30, 40, 9.5).x ? 40 + 5 / 11.0 : 40 - 5 / 11.0;
+    const TintedTile tile(s.slide, 32, 32, 0, 0);
+    for (int k = 0; k < kTileSize; ++k) {
+        const double u = tile.samples.u[k] - step;
+        const double exact = s.exact(tile.samples.u[k], tile.samples.v[k], 9.5).x;
+        const bool beyond = std::abs(u) > 1.5 * 8 / 11;
+        EXPECT_NEAR(tile.tint[k], exact, beyond ? 1e-5 : 0.6) << u;
+    }
+}
+
 TEST(SlideTile, MinifiedBeyondItsSmallestLevelIsItsMean) {
     const auto image = makeTexture(37, 5, [](int x, int) { return Rgb(x, 1, 0); });
     Light light = distantSlide({0, 0, -1}, 0.01, image);
