@@ -67,28 +67,23 @@ struct LightSweep::Caster {
     std::optional<SolidShadow> solids;
 };
 
-namespace {
+LightSweep::~LightSweep() = default;
 
 // Shadows of solids are as fine as pixels show them, unless they are those of many lights, which blur each other's.
-SolidDetail solidDetail(const ViewScene& scene, const Plan& plan, const GroupPlan& group) {
+SolidDetail LightSweep::solidDetail(const ViewScene& scene, const Plan& plan, const GroupPlan& group) {
     constexpr double kOfPixel = 0.25;
-    const Bounds ws = wsBounds(scene);
-    const double pixel =
-        pixelAt(scene.camera, glm::distance(scene.camera.wsPosition, ws.center())) / scene.dials.antialias;
+    const double distance = glm::distance(scene.camera.wsPosition, wsBounds(scene).center());
+    const double pixel = pixelAt(scene.camera, distance) / scene.dials.antialias;
     const double cell = scene.dials.shadowTexel * group.sheets.texel;
-    const double wanted = cell / (kOfPixel * pixel) / std::sqrt(double(std::max<std::size_t>(group.lights.size(), 1)));
     SolidDetail out;
-    while (out.parts < SolidRaster::kMostParts && out.parts < wanted) out.parts *= 2;
+    while (sharpShadows(scene) && out.parts < SolidRaster::kMostParts && kOfPixel * pixel * out.parts < cell)
+        out.parts *= 2;
     // Pixels' rays end at surfaces, and look up shadows no further. Texels behind a surface are looked up together with
     // those in front of it.
     constexpr double kAtPixels = 0.6, kAtTexels = 2;
     out.margin = plan.shadeAtPixels ? kAtPixels : kAtTexels;
     return out;
 }
-
-}  // namespace
-
-LightSweep::~LightSweep() = default;
 
 LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
     : m_group(group),

@@ -51,6 +51,8 @@ class LightSweep {
     /// Upper bound on the bytes of one light's shadow buffer for one extinction channel.
     static std::size_t shadowBytes(const ViewScene& scene, const PlannedLight& light, const Sheets& sheets,
                                    int batchSheets);
+    /// How finely shadows of solids are kept for each of the group's lights.
+    static SolidDetail solidDetail(const ViewScene& scene, const Plan& plan, const GroupPlan& group);
 
   private:
     struct Caster;

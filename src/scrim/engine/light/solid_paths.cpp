@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks up paths in a raster of solids: a vector of them at a time, at points as close together as the finest rays.
+// Looks up paths in a raster of solids: a vector of them at a time, at points twice as far apart as the finest rays.
 #include <scrim/engine/light/solid_raster.h>
 
 #undef HWY_TARGET_INCLUDE
@@ -35,6 +35,7 @@ HWY_ATTR void passPathsOnTarget(const SolidRaster& raster, const RasterPaths& pa
     const SolidRaster::Table table = raster.table();
     const auto least = constant(0), lastX = constant(static_cast<Real>(table.width - 2)),
                lastY = constant(static_cast<Real>(table.height - 2));
+    const Real perCell = std::max(Real(0.5) * static_cast<Real>(table.parts), Real(1));  // points
     const auto within = [&](const Real* from, int k, VF last)
                             HWY_ATTR { return hn::Min(hn::Max(load(from, k), least), last); };
     const auto smallest = [&](VF a, VF b) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, hn::Min(a, b))); };
@@ -48,7 +49,7 @@ HWY_ATTR void passPathsOnTarget(const SolidRaster& raster, const RasterPaths& pa
         if (seen.least >= largest(n0, n1)) return;
         if (seen.most < smallest(n0, n1)) return hn::Store(constant(0), d, light + k);
         const auto dx = hn::Sub(x1, x0), dy = hn::Sub(y1, y0), dn = hn::Sub(n1, n0);
-        const Real wanted = std::ceil(largest(hn::Abs(dx), hn::Abs(dy)) * Real(0.5) * static_cast<Real>(table.parts));
+        const Real wanted = std::ceil(largest(hn::Abs(dx), hn::Abs(dy)) * perCell);
         const int points = static_cast<int>(std::min(std::max(wanted, Real(2)), Real(kMostPoints)));
         const Real step = 1 / static_cast<Real>(points);
         auto sum = constant(0);

@@ -14,9 +14,10 @@ namespace {
 using EndAt = SolidRaster::EndAt;
 
 // The most finer rays of a raster with so many rays of its own: few a ray in large rasters, which are fine already.
-std::size_t mostFiner(std::size_t own) {
-    constexpr std::size_t kFew = 6, kMany = 96, kEnough = std::size_t{1} << 22;
-    return std::max(kFew * own, std::min(kMany * own, kEnough));
+std::size_t mostFiner(std::size_t own, int parts) {
+    constexpr std::size_t kFew = 6, kEnough = std::size_t{1} << 22;
+    const auto all = std::size_t(parts > 1 ? (parts + 1) * (parts + 1) : 0);
+    return std::min(all * own, std::max(kFew * own, kEnough));
 }
 
 // The ends of a divided cell's rays. Squares whose corners agree are not divided further: their ends are interpolated.
@@ -33,8 +34,9 @@ class Block {
     void divide(int i, int j, int edge) {
         if (edge == 1) return;
         const Real a = end(i, j), b = end(i + edge, j), c = end(i, j + edge), d = end(i + edge, j + edge);
-        // The first squares are divided in any case: they were found to be on an edge.
-        if (edge < m_parts && endsAgree(a, b, c, d, m_same)) return fill(i, j, edge);
+        // The first squares are divided in any case: what is at an edge may have parts that are smaller than a cell.
+        constexpr int kInAnyCase = 4;  // parts of a cell's edge
+        if (kInAnyCase * edge <= m_parts && endsAgree(a, b, c, d, m_same)) return fill(i, j, edge);
         const int half = edge / 2;
         for (const Int2& at : {Int2(half, 0), Int2(0, half), Int2(half), Int2(edge, half), Int2(half, edge)})
             find(i + at.x, j + at.y);
@@ -88,7 +90,7 @@ SolidRaster::SolidRaster(Int2 size, int parts, Real same, const EndAt& endAt)
     m_rays = m_ends.size();
     for (int y = 0; y + 1 < m_height; ++y)
         for (int x = 0; x + 1 < m_width; ++x) m_first.push_back(~(RealIndex(y) * m_width + x));
-    divide(endAt);
+    if (m_parts > 1) divide(endAt);
     stack();
 }
 
@@ -96,48 +98,32 @@ bool SolidRaster::agree(Real a, Real b, Real c, Real d) const {
     return Block::endsAgree(a, b, c, d, m_same);
 }
 
-// True if an edge passes cell (x, y): its corners say so, or those of a cell next to it and one of four rays within it,
-// which may meet what is thinner than a cell.
-bool SolidRaster::divides(int x, int y, const EndAt& endAt, std::uint64_t& rays) const {
-    const auto differs = [&](int i, int j) {
-        return i >= 0 && j >= 0 && i + 1 < m_width && j + 1 < m_height &&
-               !agree(at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1));
-    };
-    if (differs(x, y)) return true;
-    bool beside = false;
-    for (int k = 0; k < 9 && !beside; ++k) beside = differs(x + k % 3 - 1, y + k / 3 - 1);
-    if (!beside) return false;
-    for (int k = 0; k < 4; ++k) {
-        const Real end = endAt(x + 0.25 + 0.5 * (k & 1), y + 0.25 + 0.5 * (k >> 1)), corner = at(x, y);
-        ++rays;
-        if (!agree(corner, at(x + 1, y), at(x, y + 1), end) || !agree(at(x + 1, y + 1), corner, corner, end))
-            return true;
-    }
+// True if an edge passes cell (x, y), or one next to it: what is thinner than a cell may lie beside where rays met it.
+bool SolidRaster::divides(int x, int y) const {
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, m_height - 2); ++j)
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, m_width - 2); ++i)
+            if (!agree(at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1))) return true;
     return false;
 }
 
 void SolidRaster::divide(const EndAt& endAt) {
     const int columns = m_width - 1, rows = m_height - 1;
-    std::vector<std::vector<int>> inRows{std::size_t(rows)};
-    std::vector<std::uint64_t> rays(std::size_t(rows), 0);
-    parallelFor(std::size_t(rows), [&](std::size_t y) {
-        for (int x = 0; x < columns; ++x)
-            if (divides(x, int(y), endAt, rays[y])) inRows[y].push_back(int(y) * columns + x);
-    });
     std::vector<int> chosen;
-    for (const std::vector<int>& row : inRows) chosen.insert(chosen.end(), row.begin(), row.end());
-    const std::size_t own = m_ends.size();
-    while (m_parts > 1 && chosen.size() * blockSize() > mostFiner(own)) m_parts /= 2;
-    if (m_parts == 1) chosen.clear();
+    for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x)
+            if (divides(x, y)) chosen.push_back(y * columns + x);
+    const std::size_t own = m_ends.size(), most = mostFiner(own, m_parts);
+    while (m_parts > 1 && chosen.size() * blockSize() > most) m_parts /= 2;
+    if (m_parts == 1) return;
 
     m_ends.resize(own + chosen.size() * blockSize());
-    rays.resize(std::max(rays.size(), chosen.size()), 0);
+    std::vector<std::uint64_t> rays(chosen.size());
     parallelFor(chosen.size(), [&](std::size_t i) {
         const int x = chosen[i] % columns, y = chosen[i] / columns;
         Block block(m_parts, m_same, endAt, Vec2(x, y));
         for (int k = 0; k < 4; ++k) block.set(m_parts * (k & 1), m_parts * (k >> 1), at(x + (k & 1), y + (k >> 1)));
         block.divide(0, 0, m_parts);
-        rays[i] += block.rays();
+        rays[i] = block.rays();
         const std::size_t first = own + i * blockSize();
         m_first[std::size_t(chosen[i])] = RealIndex(first);
         for (int k = 0; k < int(blockSize()); ++k)
@@ -225,10 +211,10 @@ std::size_t SolidRaster::bytes() const {
     return sum;
 }
 
-std::size_t SolidRaster::bytes(const Int2& size) {
+std::size_t SolidRaster::bytes(const Int2& size, int parts) {
     const auto cells = std::size_t(size.x) * std::size_t(size.y);
     // The stack of ranges has less than one and a half times as many as there are cells, and a few where it is narrow.
-    return (cells + mostFiner(cells)) * sizeof(Real) + cells * (sizeof(RealIndex) + 3 * sizeof(Range) / 2) +
+    return (cells + mostFiner(cells, parts)) * sizeof(Real) + cells * (sizeof(RealIndex) + 3 * sizeof(Range) / 2) +
            64 * sizeof(Range);
 }
 

@@ -34,9 +34,9 @@ class SolidRaster {
     using EndAt = std::function<Real(double x, double y)>;
 
     /// Takes the ends of the rays at (i, j), i < width, j < height, both at least 2, and of finer ones where these
-    /// differ: `parts` times as many along an edge of a cell, a power of two up to kMostParts, or less where so many
-    /// cells are divided that they would take more memory than bytes() says. `endAt` gives the end of the ray at (x, y)
-    /// and is called from many threads. Ends that differ by less than `same` are those of one surface.
+    /// differ: `parts` times as many along an edge of a cell, a power of two up to kMostParts, 1: none, or less where
+    /// so many cells are divided that they would take more memory than bytes() says. `endAt` gives the end of the ray
+    /// at (x, y) and is called from many threads. Ends that differ by less than `same` are those of one surface.
     SolidRaster(Int2 size, int parts, Real same, const EndAt& endAt);
 
     /// Multiplies `light` by the part of each path, in [0, 1], on which the ends are not before those asked for.
@@ -54,8 +54,8 @@ class SolidRaster {
 
     std::uint64_t rays() const { return m_rays; }  ///< that were traced
     std::size_t bytes() const;
-    /// Upper bound on the bytes of a raster of this size.
-    static std::size_t bytes(const Int2& size);
+    /// Upper bound on the bytes of a raster of this size that is divided into so many parts.
+    static std::size_t bytes(const Int2& size, int parts);
 
     /// What loops over samples read.
     struct Table {
@@ -80,7 +80,7 @@ class SolidRaster {
     };
 
     Rays raysOf(int column, int row) const;
-    bool divides(int x, int y, const EndAt& endAt, std::uint64_t& rays) const;
+    bool divides(int x, int y) const;
     void divide(const EndAt& endAt);
     void stack();
     Real at(int x, int y) const { return m_ends[std::size_t(y) * std::size_t(m_width) + std::size_t(x)]; }

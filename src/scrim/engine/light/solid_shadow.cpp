@@ -296,28 +296,27 @@ SolidShadow::SolidShadow(const Solids& solids, const LightView& view, const Shee
 void SolidShadow::multiply(int n, const SampleTile& samples, Real* light) const {
     if (!m_view.reaches(n)) return;
     RasterPaths paths;
-    // The places on the samples' rays that lie `away` sheets from the samples, at N = n + 1/2 + `plane`; from a light
-    // rays diverge, and they begin there.
+    constexpr double kLeast = 0.01;  // sheets from the light, where its rays begin
+    const double begin = m_view.distant ? -0.5 : std::max(-0.5, m_view.tsSource.z + kLeast - n - 0.5);
+    // The places on the samples' rays at N = n + 1/2 + `plane`, which lie `away` sheets from the samples.
+    const auto mapAt = [&](double plane) { return ToRaster(m_view.atPlane(n + 0.5 + plane)); };
     const auto place = [&](int k, double away, double plane, const ToRaster& map, RasterPaths::Places& to) {
         const auto shift = static_cast<Real>(away * m_toTexels);
         to.x[k] = (samples.u[k] + shift * samples.eyeA[k]) * map.scale + map.shiftU;
         to.y[k] = (samples.v[k] + shift * samples.eyeB[k]) * map.scale + map.shiftV;
         to.n[k] = static_cast<Real>(n + 0.5 + plane);
     };
-    constexpr double kLeast = 0.01;  // sheets from the light
-    const double begin = m_view.distant ? -0.5 : std::max(-0.5, m_view.tsSource.z + kLeast - n - 0.5);
-    const auto mapAt = [&](double plane) { return ToRaster(m_view.atPlane(n + 0.5 + plane)); };
-    const ToRaster first = mapAt(begin), last = mapAt(0.5);
-    for (int k = 0; k < kTileSize; ++k) {
-        if (samples.part == nullptr) {
-            place(k, begin, begin, first, paths.first);
-            place(k, 0.5, 0.5, last, paths.last);
-            continue;
+    if (samples.part == nullptr) {
+        const ToRaster first = mapAt(begin), last = mapAt(0.5);
+        for (int k = 0; k < kTileSize; ++k) place(k, begin, begin, first, paths.first);
+        for (int k = 0; k < kTileSize; ++k) place(k, 0.5, 0.5, last, paths.last);
+    } else {
+        for (int k = 0; k < kTileSize; ++k) {
+            const double middle = double(samples.at[k]) - double(samples.step), half = 0.5 * double(samples.part[k]);
+            const double from = std::max(middle - half, begin), to = std::max(middle + half, begin);
+            place(k, from - middle, from, mapAt(from), paths.first);
+            place(k, to - middle, to, mapAt(to), paths.last);
         }
-        const double middle = double(samples.at[k]) - double(samples.step), half = 0.5 * double(samples.part[k]);
-        const double from = std::max(middle - half, begin), to = std::max(middle + half, begin);
-        place(k, from - middle, from, mapAt(from), paths.first);
-        place(k, to - middle, to, mapAt(to), paths.last);
     }
     m_raster.pass(paths, m_simd, light);
 }

@@ -23,7 +23,7 @@ namespace scrim {
 
 /// How finely shadows of solids are kept.
 struct SolidDetail {
-    int parts = 2;      ///< of a cell's edge where an edge of a shadow passes; see SolidRaster
+    int parts = 1;      ///< of a cell's edge where an edge of a shadow passes; see SolidRaster
     double margin = 2;  ///< sheets by which light reaches behind a visible lit surface, or ends before a dark one
 };
 
@@ -45,7 +45,9 @@ class SolidShadow {
 
     std::uint64_t rays() const { return m_raster.rays(); }
     std::size_t bytes() const { return m_raster.bytes(); }
-    static std::size_t bytes(const LightView& view) { return SolidRaster::bytes({view.width, view.height}); }
+    static std::size_t bytes(const LightView& view, const SolidDetail& detail) {
+        return SolidRaster::bytes({view.width, view.height}, detail.parts);
+    }
 
   private:
     LightView m_view;

@@ -38,7 +38,7 @@ std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan
     for (const PlannedLight& light : group.lights) {
         if (!light.shadowed) continue;
         bytes += plan.extinction.count() * LightSweep::shadowBytes(scene, light, s, batch) +
-                 (scene.solids ? SolidShadow::bytes(light.view) : 0);
+                 (scene.solids ? SolidShadow::bytes(light.view, LightSweep::solidDetail(scene, plan, group)) : 0);
         if (!light.lattice.shared())
             bytes += ExtinctionSum::bytes(scene, plan, s, light.lattice, batch, ExtinctionSum::For::light);
     }

@@ -58,14 +58,15 @@ TEST(SolidRaster, ComparesEndsWithWhereAPathIs) {
     for (int k = 0; k < kTileSize; ++k) EXPECT_NEAR(light[k], k < 100 ? 1 : k < 200 ? 0.5 : 0, 1.0 / 32) << k;
 }
 
-// Rays are added along the edge only: at most 17 x 17 for each of the cells that it passes.
+// Rays are added along the edge only: in the 64 + 20 cells that it passes and the next ones, 25 at least and 17 x 17 at
+// most.
 TEST(SolidRaster, TracesFinerRaysOnlyWhereAnEdgeIs) {
     const SolidRaster plain({64, 64}, 16, 1, [](double, double) { return kNone; });
     EXPECT_EQ(plain.rays(), 64u * 64);
     const SolidRaster raster({64, 64}, 16, 1, beside);
     EXPECT_GT(raster.rays(), 64u * 64 + 100);
-    EXPECT_LT(raster.rays(), 64u * 64 + 2 * 64 * 120);
-    EXPECT_LE(raster.bytes(), SolidRaster::bytes({64, 64}));
+    EXPECT_LT(raster.rays(), 64u * 64 + 3 * 84 * 120);
+    EXPECT_LE(raster.bytes(), SolidRaster::bytes({64, 64}, 16));
 }
 
 // Where every cell has edges, cells are divided less, so that memory is bounded.
@@ -75,7 +76,7 @@ TEST(SolidRaster, StaysWithinItsBoundOfMemory) {
     };
     for (const Int2& size : {Int2(2, 2), Int2(2, 200), Int2(48, 16), Int2(300, 300)}) {
         const SolidRaster raster(size, 16, 1, leaves);
-        EXPECT_LE(raster.bytes(), SolidRaster::bytes(size)) << size.x;
+        EXPECT_LE(raster.bytes(), SolidRaster::bytes(size, 16)) << size.x;
     }
 }
 
