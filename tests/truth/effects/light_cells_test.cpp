@@ -428,8 +428,8 @@ ViewScene smokeWithSolids(bool holdout) {
     return scene;
 }
 
-// Shadow buffers of the same sub-lights cut the shadows of solids along the eye's rays; cells are as wide as voxels, and
-// leave up to twice the error.
+// Shadow buffers of the same sub-lights cut the shadows of solids along the eye's rays; cells are as wide as voxels,
+// and leave up to twice the error.
 TEST(LightOnCells, AreBlockedBySolids) {
     for (const bool holdout : {false, true}) {
         ViewScene scene = smokeWithSolids(holdout);
