@@ -201,16 +201,18 @@ std::vector<CellLight> allLightOnCells(const ViewScene& scene, const Plan& plan,
         frame.work.scatterDirections = solved.cellDirections;
     }
     // Lights whose cells have the same size are kept together.
+    CellLightWork work;
     for (std::size_t l = 0; l < plan.cellLights.levels.size(); ++l) {
         const LevelScene level(scene, plan.cellLights, l);
         std::map<double, std::vector<int>> byEdge;
         for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i)
             byEdge[plan.cellLights.levels[l].edges[i]].push_back(plan.cellLights.lights[i]);
         for (const auto& [edge, lights] : byEdge)
-            for (CellLight& light :
-                 lightOnCells(level, lights, edge, plan.simd, checkpoint, frame.work.bytes.scattered))
+            for (CellLight& light : lightOnCells(level, lights, edge, plan.simd, checkpoint, work))
                 all.push_back(std::move(light));
     }
+    frame.work.bytes.scattered += work.bytes;
+    frame.work.cellDirections = work.directions;
     frame.times.scatter = watch.lap();
     return all;
 }

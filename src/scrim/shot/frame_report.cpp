@@ -32,6 +32,7 @@ Json workJson(const RenderWork& w) {
             {"deep_samples", w.deepSamples},
             {"sheets", w.sheets},
             {"scatter_sweeps", w.scatterSweeps},
+            {"light_cell_directions", w.cellDirections},
             {"scatter_cell_directions", w.scatterDirections},
             {"scattered_samples", w.shade.scattered},
             {"buffer_bytes", w.bytes.total()},

@@ -53,10 +53,10 @@ ViewScene cubeInCube() {
 Rgb lightAt(const ViewScene& scene, const Vec3& ws, std::size_t volume) {
     const CellLightPlan plan = planCellLights(scene);
     Rgb sum(0);
-    std::size_t bytes = 0;
+    CellLightWork work;
     for (std::size_t l = 0; l < plan.levels.size(); ++l)
         for (const CellLight& light : lightOnCells(
-                 LevelScene(scene, plan, l), plan.lights, plan.levels[l].smallest(), {}, [] {}, bytes)) {
+                 LevelScene(scene, plan, l), plan.lights, plan.levels[l].smallest(), {}, [] {}, work)) {
             if (!light.ofVolume[volume]) continue;
             Real rgb[3];
             light.ofVolume[volume]->sample(ws, rgb);

@@ -37,11 +37,11 @@ ViewScene uniformCube() {
 
 // The light on cells of one voxel at a point.
 double lightAt(const ViewScene& scene, const Vec3& ws, double edge = 1) {
-    std::size_t bytes = 0;
+    CellLightWork work;
     std::vector<int> all(scene.lights.size());
     std::iota(all.begin(), all.end(), 0);
     const std::vector<CellLight> lights = lightOnCells(
-        scene, all, edge, {}, [] {}, bytes);
+        scene, all, edge, {}, [] {}, work);
     EXPECT_EQ(lights.size(), 1u);
     Real rgb[3];
     lights.front().ofVolume.front()->sample(ws, rgb);
@@ -543,11 +543,11 @@ TEST(LightOnCells, TakesAboutTheMemoryThatThePlanSays) {
             for (int i = 0; i < lamps; ++i) scene.lights.push_back(lamp({0.5 * i - 3, 1, 2}, 1));
             const CellLightPlan plan = planCellLights(scene);
             ASSERT_EQ(plan.lights.size(), std::size_t(lamps));
-            std::size_t bytes = 0;
+            CellLightWork work;
             lightOnCells(
-                scene, plan.lights, plan.edge(0), {}, [] {}, bytes);
-            EXPECT_LT(double(bytes), 1.6 * double(plan.bytes)) << lamps << " lamps, solids " << solids;
-            EXPECT_GT(double(bytes), 0.4 * double(plan.bytes)) << lamps << " lamps, solids " << solids;
+                scene, plan.lights, plan.edge(0), {}, [] {}, work);
+            EXPECT_LT(double(work.bytes), 1.6 * double(plan.bytes)) << lamps << " lamps, solids " << solids;
+            EXPECT_GT(double(work.bytes), 0.4 * double(plan.bytes)) << lamps << " lamps, solids " << solids;
         }
 }
 

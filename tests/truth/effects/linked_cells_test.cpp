@@ -50,12 +50,12 @@ double sigmaOf(int set) {
 
 // All light on cells of half a voxel at a point, of one volume.
 Rgb lightAt(const ViewScene& scene, const Vec3& ws, std::size_t volume = 0) {
-    std::size_t bytes = 0;
+    CellLightWork work;
     std::vector<int> all(scene.lights.size());
     std::iota(all.begin(), all.end(), 0);
     Rgb sum(0);
     for (const CellLight& light : lightOnCells(
-             scene, all, 0.5, {}, [] {}, bytes)) {
+             scene, all, 0.5, {}, [] {}, work)) {
         if (!light.ofVolume[volume]) continue;
         Real rgb[3];
         light.ofVolume[volume]->sample(ws, rgb);
@@ -289,12 +289,12 @@ TEST(LinkedCells, ThePlanSaysWhatTheyTake) {
               std::string::npos)
         << reason(scene);
     const CellLightPlan linked = planCellLights(scene);
-    std::size_t bytes = 0;
+    CellLightWork work;
     for (const double edge : {linked.edge(0)})
         lightOnCells(
-            scene, linked.lights, edge, {}, [] {}, bytes);
-    EXPECT_LT(double(bytes), 1.6 * double(linked.bytes));
-    EXPECT_GT(double(bytes), 0.4 * double(linked.bytes));
+            scene, linked.lights, edge, {}, [] {}, work);
+    EXPECT_LT(double(work.bytes), 1.6 * double(linked.bytes));
+    EXPECT_GT(double(work.bytes), 0.4 * double(linked.bytes));
     for (ViewVolume& volume : scene.volumes) volume.shadows.clear();
     EXPECT_EQ(reason(scene).find("media"), std::string::npos) << reason(scene);
     EXPECT_LT(planCellLights(scene).bytes, linked.bytes);

@@ -256,6 +256,7 @@ TEST(CaughtShadow, OfASkyOrALampIsTheSameWhereverTheVolumesHaveTheirLight) {
         else
             light.kind = Light::Area{AreaShape::sphere, 1, 1, 1}, light.wsPosition = {2, 1, -3};
         light.name = "soft";
+        light.samples = 20;
         scene.lights = {light};
         scene.layers = {Layer::shadow};
         scene.solids = oneSolid(squareMesh({0, 0, -15}, {0, 0, 1}, 6), false, false, true);

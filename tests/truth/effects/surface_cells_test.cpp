@@ -78,9 +78,9 @@ TEST(SurfacesOnCells, AreKeptWhereTheEyeSeesThem) {
             scene.camera.type = CameraType::perspective;
             scene.camera.wsPosition = {0, 0, 60};
         }
-        std::size_t bytes = 0;
+        CellLightWork work;
         const std::vector<CellLight> kept = lightOnCells(
-            scene, {0}, 1.0 / 3, {}, [] {}, bytes);
+            scene, {0}, 1.0 / 3, {}, [] {}, work);
         ASSERT_EQ(kept.size(), 2u);  // diffuse and mirrored
         const Vec3 toEye = -viewingAxis(scene.camera), large(-2, -1, -2);
         for (const CellLight& light : kept) {
@@ -144,7 +144,7 @@ TEST(SurfacesOnCells, ShowLampsAsShadowBuffersDo) {
     for (const auto& [name, light, tolerance] : lamps) {
         ViewScene scene = scanOf(look(1.5, 0.4));
         scene.lights = {light};
-        scene.lights[0].samples = light.extended() ? 64 : 0;
+        scene.lights[0].samples = light.extended() ? 24 : 0;
         scene.dials.lightCell = 1.0 / 3;
         const Image cells = renderedOn(scene, ShadowMethod::cells);
         scene.dials.texel = scene.dials.sheetThickness = 0.3;

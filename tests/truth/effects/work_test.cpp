@@ -27,6 +27,7 @@ std::map<std::string, std::uint64_t> counters(const RenderWork& w) {
             {"layer samples", w.layerSamples},
             {"solid rays", w.solidRays},
             {"caught rays", w.caughtRays},
+            {"directions of cells", w.cellDirections},
             {"deep samples", w.deepSamples},
             {"sheets", w.sheets},
             {"samples", w.shade.samples},

@@ -17,6 +17,7 @@ RenderWork& RenderWork::operator+=(const RenderWork& o) {
     deepSamples += o.deepSamples;
     sheets += o.sheets;
     scatterSweeps += o.scatterSweeps;
+    cellDirections += o.cellDirections;
     scatterDirections += o.scatterDirections;
     shade += o.shade;
     // Scattered light is there beside all sweeps, the buffers of one only.

@@ -56,6 +56,7 @@ struct RenderWork {
     std::uint64_t sheets = 0;
     std::uint64_t solidRays = 0;          ///< rays traced to solids, for the eye and for lights
     std::uint64_t caughtRays = 0;         ///< rays marched from solids to lights
+    std::uint64_t cellDirections = 0;     ///< pairs of cells and points or directions of lights that are kept on them
     std::uint64_t scatterSweeps = 0;      ///< sweeps of all ordinates through the finest cells
     std::uint64_t scatterDirections = 0;  ///< pairs of cells and ordinates passed, over all sizes of cells
     ShadeWork shade;

@@ -5,6 +5,7 @@
 #include <scrim/engine/cells/cell_media.h>
 #include <scrim/engine/lamps/lamp.h>
 #include <scrim/engine/model/sub_lights.h>
+#include <scrim/engine/passes/level_media.h>
 #include <scrim/engine/passes/lit_surfaces.h>
 #include <scrim/engine/passes/sky_peaks.h>
 #include <scrim/engine/passes/sources.h>
@@ -144,7 +145,7 @@ class Pass {
 
     // `colour`: the only one that the slices' extinction is for; -1: all. What is shown of surfaces must be faced.
     // `coarser`: see Passage.
-    void add(const Job& job, int colour, const std::vector<CellSlices>& coarser, CellSlices& slices) const {
+    void add(const Job& job, int colour, const std::vector<CellSlices>& coarser, CellSlices& slices) {
         const Sources& sources = job.sources;
         const Octave& octave = job.octave;
         const LampField* lamp = job.lamp.get();
@@ -177,6 +178,9 @@ class Pass {
             const auto begin = std::size_t(first - sources.owners.begin());
             const auto [suns, points] =
                 raysFrom(job, {begin, std::size_t(last - sources.owners.begin())}, colour, slices);
+            // The cells see each point along one of three axes.
+            m_directions +=
+                slices.wantedCells() * (suns[0].size() + suns[1].size()) + slices.wantedCells() * points.size() / 3;
             for (const bool down : {false, true}) {
                 const auto pass = [&](const std::vector<CellRays>& rays, bool parallel) {
                     SCRIM_ON_TARGET(m_simd, sweepCells)(rays, {view, slices, coarser, m_checkpoint, parallel, down});
@@ -191,6 +195,9 @@ class Pass {
         slices.restore(before);
         if (lamp && job.field) slices.addFarLight(*lamp, colour, *job.field);
     }
+
+    // Pairs of cells and sources so far.
+    std::uint64_t directions() const { return m_directions; }
 
   private:
     // Of a light, those that go up, those that go down, and those of points.
@@ -265,6 +272,7 @@ class Pass {
     const CellGrid& m_grid;
     Simd m_simd;
     const std::function<void()>& m_checkpoint;
+    std::uint64_t m_directions = 0;
 };
 
 // Lights share a field unless layers, or the volumes and solids that cast shadows in them, tell them apart. Lamps share
@@ -412,121 +420,20 @@ class Jobs {
     bool m_grey, m_lamps;
 };
 
-// The volumes that have extinction in cells, and those of them that are no surfaces.
-std::vector<bool> withVoxels(const ViewScene& scene) {
-    std::vector<bool> all;
-    for (const ViewVolume& volume : scene.volumes) all.push_back(!volume.field->empty());
-    return all;
+// Finds what holds back the light of each job: on the level's own cells without its surfaces' extinction, which is
+// added.
+void findMedia(const LevelScene& level, const LevelMedia& media, const LitSurfaces& surfaces, std::vector<Job>& jobs,
+               std::vector<Holding>& held) {
+    for (Job& job : jobs) {
+        if (!job.sources.attenuated) continue;
+        const std::vector<bool> casters = castersIn(level.all, std::size_t(job.first));
+        const auto known = std::ranges::find(held, casters, &Holding::casters);
+        job.media = std::size_t(known - held.begin());
+        if (known != held.end()) continue;
+        held.push_back(media.of(casters, &held.front().own.grid));
+        surfaces.addTo(held.back().own, both(casters, withVoxels(level.holding)));
+    }
 }
-std::vector<bool> mediaAmong(const ViewScene& scene, std::vector<bool> volumes) {
-    for (std::size_t v = 0; v < volumes.size(); ++v) volumes[v] = volumes[v] && !scene.volumes[v].classified;
-    return volumes;
-}
-
-// The media that hold back the light of some jobs: on the level's own cells, and on those of each coarser level.
-struct Holding {
-    std::vector<bool> casters;  // for each volume of the whole scene
-    CellMedia own;
-    std::vector<CellMedia> coarser;
-    MediaTogether together() const {
-        MediaTogether all{&own};
-        for (const CellMedia& media : coarser) all.push_back(&media);
-        return all;
-    }
-    std::size_t bytes() const {
-        std::size_t sum = own.bytes();
-        for (const CellMedia& media : coarser) sum += media.bytes();
-        return sum;
-    }
-};
-
-// The volumes that both have.
-std::vector<bool> both(std::vector<bool> a, const std::vector<bool>& b) {
-    for (std::size_t v = 0; v < a.size(); ++v) a[v] = a[v] && b[v];
-    return a;
-}
-
-// The boxes around the blocks of a grid.
-std::vector<Bounds> boxesOf(const CellGrid& grid) {
-    std::vector<Bounds> boxes;
-    for (const Int3& block : grid.storedBlocks())
-        boxes.push_back({grid.wsFromCs(Vec3(block * kCellEdge)), grid.wsFromCs(Vec3((block + 1) * kCellEdge))});
-    return boxes;
-}
-
-// Makes the media of each level.
-class LevelMedia {
-  public:
-    LevelMedia(const LevelScene& level, double edge, double margin, Simd simd)
-        : m_level(level),
-          m_edge(edge),
-          m_margin(margin),
-          m_corner(cornerOfVoxels(level.own, edge)),
-          m_simd(simd),
-          m_filled(withVoxels(level.holding)) {}
-
-    const Vec3& corner() const { return m_corner; }
-    // What all volumes hold back. Surfaces of the level are not among the media on its own cells.
-    Holding all() const { return with(withVoxels(m_level.all), {}); }
-    // The jobs' own: those of the volumes alone that hold back the light of a job.
-    void addFor(std::vector<Job>& jobs, const LitSurfaces& surfaces, std::vector<Holding>& all) const {
-        for (Job& job : jobs) {
-            if (!job.sources.attenuated) continue;
-            const std::vector<bool> casters = castersIn(m_level.all, std::size_t(job.first));
-            const auto known = std::ranges::find(all, casters, &Holding::casters);
-            job.media = std::size_t(known - all.begin());
-            if (known != all.end()) continue;
-            all.push_back(with(casters, boxesOf(all.front().own.grid)));
-            surfaces.addTo(all.back().own, both(casters, m_filled));
-        }
-    }
-
-  private:
-    Holding with(const std::vector<bool>& casters, const std::vector<Bounds>& known) const {
-        Holding out{casters, {}, {}};
-        out.own = cellMedia(m_level.holding, {}, m_edge, m_simd,
-                            {m_corner, m_margin, false, mediaAmong(m_level.holding, both(casters, m_filled))});
-        const std::vector<Bounds> boxes = known.empty() ? boxesOf(out.own.grid) : known;
-        for (const LevelScene::Coarser& coarser : m_level.coarser)
-            out.coarser.push_back(cellMedia(coarser.scene, {}, coarser.edge, m_simd,
-                                            {cornerOfVoxels(coarser.scene, coarser.edge), coarser.edge, false,
-                                             both(casters, withVoxels(coarser.scene)), grown(boxes, coarser.edge)}));
-        return out;
-    }
-    static std::vector<Bounds> grown(std::vector<Bounds> boxes, double by) {
-        for (Bounds& box : boxes) box.lower -= by, box.upper += by;
-        return boxes;
-    }
-
-    const LevelScene& m_level;
-    double m_edge, m_margin;
-    Vec3 m_corner;
-    Simd m_simd;
-    std::vector<bool> m_filled;
-};
-
-// The media of coarser levels as slices along an axis, with light wanted around all blocks of `own`.
-class CoarserSlices {
-  public:
-    CoarserSlices(const LevelScene& level, const CellGrid& own) {
-        if (level.coarser.empty()) return;
-        const std::vector<Bounds> boxes = boxesOf(own);
-        for (const LevelScene::Coarser& coarser : level.coarser)
-            m_shown.emplace_back(coarser.edge, boxes, cornerOfVoxels(coarser.scene, coarser.edge));
-    }
-    std::vector<CellSlices> along(int axis, const Holding& holding, std::size_t colour) const {
-        std::vector<CellSlices> all;
-        for (std::size_t l = 0; l < m_shown.size(); ++l) {
-            CellSlices& slices = all.emplace_back(holding.coarser[l].grid);
-            slices.layAlong(axis);
-            slices.fill(holding.coarser[l].extinctionOf(colour), CellSlices::kEverywhere, false, {&m_shown[l]});
-        }
-        return all;
-    }
-
-  private:
-    std::vector<CellGrid> m_shown;
-};
 
 // Of the grid's stored blocks, those that the eye sees something of, through surfaces alone. Light need not be known
 // where less than kUnseen of it would come through.
@@ -610,7 +517,7 @@ std::size_t bytesOf(const std::vector<Job>& jobs) {
 }
 
 // Fills what solids let through of the lamps' light.
-void passOpen(const std::vector<Job>& jobs, const Pass& pass, CellSlices& slices) {
+void passOpen(const std::vector<Job>& jobs, Pass& pass, CellSlices& slices) {
     std::set<const CellField*> opened;  // octaves of a lamp share it
     for (const Job& job : jobs) {
         if (!job.open || !opened.insert(job.open.get()).second) continue;
@@ -625,7 +532,7 @@ void passOpen(const std::vector<Job>& jobs, const Pass& pass, CellSlices& slices
 }  // namespace
 
 std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<int>& lights, double edge, Simd simd,
-                                    const std::function<void()>& checkpoint, std::size_t& bytes) {
+                                    const std::function<void()>& checkpoint, CellLightWork& work) {
     const ViewScene &scene = level.all, &own = level.own, &holding = level.holding;
     // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them. Cells of
     // surfaces know where these begin; only texels blur that.
@@ -636,7 +543,7 @@ std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<i
     const double near = (alone ? std::min(scene.dials.texel, kernels) + sheets : kernels + sheets) * unit;
     const int reach = 1 + static_cast<int>(std::ceil(near / edge));
     const LevelMedia media(level, edge, margin, simd);
-    std::vector<Holding> held{media.all()};
+    std::vector<Holding> held{media.of(withVoxels(scene), nullptr)};
     const auto grid = std::make_shared<const CellGrid>(held.front().own.grid);
     LitSurfaces surfaces(holding, *grid);
     if (hasSurfaces(own))
@@ -649,10 +556,10 @@ std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<i
     std::vector<CellLight> all;
     std::vector<Job> jobs = allJobs(level, lights, grid, surfaces, grey, all);
     if (jobs.empty()) return all;
-    bytes += bytesOf(jobs);
-    media.addFor(jobs, surfaces, held);
+    work.bytes += bytesOf(jobs);
+    findMedia(level, media, surfaces, jobs, held);
     std::size_t most = 0;
-    const Pass pass(own, *grid, simd, checkpoint);
+    Pass pass(own, *grid, simd, checkpoint);
     const CoarserSlices coarser(level, *grid);
     CellSlices slices(*grid);
     for (int axis = 0; axis < 3; ++axis) {
@@ -678,8 +585,9 @@ std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<i
             job.lamp->makeMean(held[job.media].together(), job.open);
         else if (job.surface < 0)
             addPeaks(scene, job.sources, job.wide, job.octave, held[job.media].together(), *job.field, checkpoint);
-    for (const Holding& one : held) bytes += one.bytes();
-    bytes += most + surfaces.bytes();
+    for (const Holding& one : held) work.bytes += one.bytes();
+    work.bytes += most + surfaces.bytes();
+    work.directions += pass.directions();
     return all;
 }
 

@@ -12,14 +12,21 @@
 #include <scrim/scene/view_scene.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
 namespace scrim {
 
+/// What it takes to keep light on cells.
+struct CellLightWork {
+    std::size_t bytes = 0;         ///< the peak of the memory, summed over levels
+    std::uint64_t directions = 0;  ///< pairs of cells and points or directions that light passed from
+};
+
 /// The light of these lights of the scene on cells of `edge` world units, for the volumes of a level. Slides must be
-/// loaded. Adds the peak of the memory, in bytes, to `bytes`. `checkpoint` is called between passes; it throws to stop.
+/// loaded. Adds to `work`. `checkpoint` is called between passes; it throws to stop.
 std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<int>& lights, double edge, Simd simd,
-                                    const std::function<void()>& checkpoint, std::size_t& bytes);
+                                    const std::function<void()>& checkpoint, CellLightWork& work);
 
 }  // namespace scrim

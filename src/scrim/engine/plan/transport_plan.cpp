@@ -150,6 +150,13 @@ double errorOfSurfaces(const ViewScene& scene, double edge) {
     return 0.009 * depth * std::pow(2 * edge, 1.8);
 }
 
+// The same scene without its media.
+ViewScene surfacesOf(const ViewScene& scene) {
+    std::vector<bool> volumes;
+    for (const ViewVolume& v : scene.volumes) volumes.push_back(v.classified != nullptr);
+    return withVoxelsOf(scene, volumes);
+}
+
 // True if that is within what sub-lights may have, and the rest of light.
 bool surfacesFit(const ViewScene& scene, double edge) {
     constexpr double kOfLight = 1.6;  // of light_error
@@ -171,20 +178,21 @@ int leastForCells(const ViewScene& scene, const Light& light, const std::vector<
     constexpr int kMany = 4, kManyAtEdges = 16, kManyInSolid = 64;
     if (hasSurfaces(scene)) return kManyAtEdges;
     double depth = 0;  // of one volume: what overlaps has no sharper edges
-    for (const ViewVolume& v : scene.volumes) depth = std::max(depth, depthOfVoxel(v, voxelUnit(scene)));
+    for (const ViewVolume& v : scene.volumes)
+        if (!v.field->empty()) depth = std::max(depth, depthOfVoxel(v, voxelUnit(v)));
     if (depth <= kDepth) return kMany;
     const bool beside = light.area() && !isLampOnCells(scene, light) && !isAmong(light, wsCorners);
     return beside && kFinestCell * depth > kDepth ? kManyInSolid : kManyAtEdges;
 }
 
-// Whether a light is better kept on cells, or is told to be.
-bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
+// Whether a light is better kept on cells, or is told to be. `surfacesFit`: cells are exact enough for all surfaces.
+bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners, bool surfacesFit) {
     if (black(light.intensity) || light.shadow == ShadowMethod::buffers) return false;
     // Each direction of an unshadowed sky would need a sweep along an axis of its own.
     if (!light.shadows && !light.dome() && !isLampOnCells(scene, light)) return false;
     if (light.dome() && skiesFromBorder(scene)) return false;
     const bool forced = light.shadow == ShadowMethod::cells;
-    if (hasSurfaces(scene) && !forced && !surfacesFit(scene, surfaceCell(scene))) return false;
+    if (!surfacesFit && !forced) return false;
     if (shinesInBeams(scene, light)) return false;
     if (light.area() || light.dome())
         return forced || subLightCount(scene, light) >= leastForCells(scene, light, wsCorners);
@@ -339,10 +347,12 @@ void growCells(const ViewScene& scene, CellLightPlan& plan, std::vector<double>&
 CellLightPlan planCellLights(const ViewScene& scene) {
     CellLightPlan plan;
     const std::vector<Vec3> corners = wsCorners(scene);
+    const ViewScene surfaces = surfacesOf(scene);
+    const bool exact = !hasSurfaces(scene) || surfacesFit(surfaces, surfaceCell(surfaces));
     std::vector<bool> inView;  // empty until it is needed, because it takes time where there are many lights
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
-        if (!fitsCells(scene, light, corners)) continue;
+        if (!fitsCells(scene, light, corners, exact)) continue;
         if (inView.empty()) inView = lightsInView(scene);
         if (!inView[i]) continue;
         plan.lights.push_back(static_cast<int>(i));
