@@ -158,7 +158,8 @@ def main():
         scenes += [(SUN, medium, feature) for medium in MEDIA if medium != PLAIN for feature in FEATURES if feature]
         scenes = [scene for scene in scenes if all(word in " ".join(scene) for word in args.only)]
         found = sorted(((bench.ratio(*scene), scene) for scene in scenes), reverse=True)
-        (folder / "pairs.json").write_text(json.dumps({name: vars(cost) for name, cost in bench.costs.items()}, indent=1))
+        costs = {name: vars(cost) for name, cost in bench.costs.items()}
+        (folder / "pairs.json").write_text(json.dumps(costs, indent=1))
         print("\n| times | light | medium | with | s |\n| --- | --- | --- | --- | --- |")
         for ratio, scene in found:
             if ratio >= args.least or bench.cost(*scene).failure:
