@@ -411,8 +411,6 @@ class PointRaster {
             }
         }
     }
-    // Of one row of the rays.
-
     // What a part of a mesh sends along (x, y, z).
     HWY_ATTR V8 sentAlong(V8 x, V8 y, V8 z) const {
         const auto& [even, linear, quadratic] = *m_rays.pattern;
