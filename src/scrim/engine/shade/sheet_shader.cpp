@@ -169,13 +169,9 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
     const Sheets& sheets = m_group.sheets;
     const auto at = [&](int u, int v, int on) { return sheets.wsPoint({u, v, sheet + 0.5 + on}); };
     const Vec3 origin = at(0, 0, 0), perU = at(1, 0, 0) - origin, perV = at(0, 1, 0) - origin;
-    const SamplePlane plane{origin,
-                            perU,
-                            perV,
-                            at(0, 0, 1) - origin,
-                            sheets.thickness / sheets.texel,
-                            m_group.sameSide ? -1.0 : 1.0,
-                            m_plan.simd};
+    const SamplePlane plane{
+        origin,     perU, perV, at(0, 0, 1) - origin, sheets.thickness / sheets.texel, m_group.sameSide ? -1.0 : 1.0,
+        m_plan.simd};
     // Most samples of a tile at the border of a volume lie beside it.
     Row medium{};  // mean extinction
     for (int c = 0; c < m_plan.extinction.count(); ++c) {
