@@ -167,7 +167,7 @@ bool solidsBlock(const ViewScene& scene);
 /// True if solids block only lights without extent, and few of these: the edges of their shadows are sharp, and few
 /// enough to be resolved by pixels.
 bool sharpShadows(const ViewScene& scene);
-/// True if those that do send all colours back alike.
+/// True if solids that stop light send back all colours alike.
 bool greySolids(const ViewScene& scene);
 
 /// The light whose layer shows `light`: the first one of its group, or itself. Both are indices into

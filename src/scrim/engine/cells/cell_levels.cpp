@@ -9,6 +9,14 @@
 #include <utility>
 
 namespace scrim {
+namespace {
+
+// Adds the volumes of one list to another.
+void add(const std::vector<bool>& some, std::vector<bool>& to) {
+    for (std::size_t v = 0; v < to.size(); ++v) to[v] = to[v] || some[v];
+}
+
+}  // namespace
 
 std::vector<std::vector<bool>> cellLevels(const ViewScene& scene,
                                           const std::function<double(const ViewScene&)>& edgeFor) {
@@ -37,7 +45,7 @@ std::vector<std::vector<bool>> cellLevels(const ViewScene& scene,
             levels.push_back(volumes);
             first = kind;
         } else {
-            for (std::size_t v = 0; v < volumes.size(); ++v) levels.back()[v] = levels.back()[v] || volumes[v];
+            add(volumes, levels.back());
         }
     }
     return levels;
@@ -63,8 +71,7 @@ LevelScene::LevelScene(const ViewScene& scene, const CellLightPlan& plan, std::s
     if (plan.levels.size() == 1) return;
     own = withVoxelsOf(scene, plan.levels[level].volumes);
     std::vector<bool> finer(scene.volumes.size(), false);
-    for (std::size_t l = level; l < plan.levels.size(); ++l)
-        for (std::size_t v = 0; v < finer.size(); ++v) finer[v] = finer[v] || plan.levels[l].volumes[v];
+    for (std::size_t l = level; l < plan.levels.size(); ++l) add(plan.levels[l].volumes, finer);
     holding = withVoxelsOf(scene, finer);
     for (std::size_t l = 0; l < level; ++l)
         coarser.push_back({withVoxelsOf(scene, plan.levels[l].volumes),

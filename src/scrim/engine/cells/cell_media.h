@@ -64,6 +64,12 @@ struct CellMedia {
     std::size_t bytes() const;
 };
 
+/// For each volume of the scene, whether it has voxels.
+inline std::vector<bool> withVoxels(const ViewScene& scene) {
+    std::vector<bool> all;
+    for (const ViewVolume& volume : scene.volumes) all.push_back(!volume.field->empty());
+    return all;
+}
 /// For each volume of the scene, whether it holds back the light of light `light`.
 inline std::vector<bool> castersIn(const ViewScene& scene, std::size_t light) {
     std::vector<bool> casters;

@@ -75,9 +75,9 @@ SolidDetail LightSweep::solidDetail(const ViewScene& scene, const Plan& plan, co
     const double distance = glm::distance(scene.camera.wsPosition, wsBounds(scene).center());
     const double pixel = pixelAt(scene.camera, distance) / scene.dials.antialias;
     const double cell = scene.dials.shadowTexel * group.sheets.texel;
+    const int most = sharpShadows(scene) ? SolidRaster::kMostParts : 1;
     SolidDetail out;
-    while (sharpShadows(scene) && out.parts < SolidRaster::kMostParts && kOfPixel * pixel * out.parts < cell)
-        out.parts *= 2;
+    while (out.parts < most && kOfPixel * pixel * out.parts < cell) out.parts *= 2;
     // Pixels' rays end at surfaces, and look up shadows no further. Texels behind a surface are looked up together with
     // those in front of it.
     constexpr double kAtPixels = 0.6, kAtTexels = 2;

@@ -166,9 +166,6 @@ void CellSlices::fill(const std::vector<Real>& perWorldUnit, int reach, bool val
         });
     if (!shown.empty()) wanted = within(shown);
     wantedBox = boxOfWanted();
-    m_wantedCells = 0;
-    for (std::size_t row = 0; row < wanted.rows(); ++row)
-        for (const CellSpan& span : wanted.row(row)) m_wantedCells += std::size_t(span.end - span.begin);
     crossedRows = crossed.usedRows(perSlice);
     besideRows = beside.usedRows(perSlice);
     wantedRows = wanted.usedRows(std::size_t(size[1]));

@@ -37,7 +37,6 @@ class CellSlices {
     RowSpans beside;            ///< by `paddedRow`: where values of a field may be read in this row and the next one
     RowSpans wanted;            ///< by `rowIndex`: cells whose light is looked up
     CellBox wantedBox;          ///< around them
-    std::size_t wantedCells() const { return m_wantedCells; }
     /// For each slice the rows j that have any of these; those of `crossed` and `beside` are j + 1.
     std::vector<std::vector<int>> crossedRows, besideRows, wantedRows;
 
@@ -152,7 +151,6 @@ class CellSlices {
     std::array<std::vector<Real>, 4> m_facing;
     std::vector<Real> m_values;  // as m_extinction
     const ExtinctionIntegral* m_integral = nullptr;
-    std::size_t m_wantedCells = 0;
 };
 
 }  // namespace scrim

@@ -15,12 +15,6 @@ std::vector<Bounds> boxesOf(const CellGrid& grid, double margin) {
 
 }  // namespace
 
-std::vector<bool> withVoxels(const ViewScene& scene) {
-    std::vector<bool> all;
-    for (const ViewVolume& volume : scene.volumes) all.push_back(!volume.field->empty());
-    return all;
-}
-
 std::vector<bool> mediaAmong(const ViewScene& scene, std::vector<bool> volumes) {
     for (std::size_t v = 0; v < volumes.size(); ++v) volumes[v] = volumes[v] && !scene.volumes[v].classified;
     return volumes;
@@ -58,9 +52,9 @@ Holding LevelMedia::of(const std::vector<bool>& casters, const CellGrid* own) co
     return out;
 }
 
-CoarserSlices::CoarserSlices(const LevelScene& level, const CellGrid& own) {
-    for (const auto& [scene, edge] : level.coarser)
-        m_shown.emplace_back(edge, boxesOf(own, 0), cornerOfVoxels(scene, edge));
+CoarserSlices::CoarserSlices(const Holding& holding) {
+    for (const CellMedia& media : holding.coarser)
+        m_shown.emplace_back(media.grid.edge(), boxesOf(holding.own.grid, 0), media.grid.wsCorner());
 }
 
 std::vector<CellSlices> CoarserSlices::along(int axis, const Holding& holding, std::size_t colour) const {

@@ -13,9 +13,7 @@
 
 namespace scrim {
 
-/// The volumes of a scene that have voxels, those of `volumes` that are no surfaces, and those that are in both lists:
-/// for each volume of the scene.
-std::vector<bool> withVoxels(const ViewScene& scene);
+/// Those of `volumes` that are no surfaces, and those that are in both lists: for each volume of the scene.
 std::vector<bool> mediaAmong(const ViewScene& scene, std::vector<bool> volumes);
 std::vector<bool> both(std::vector<bool> a, const std::vector<bool>& b);
 
@@ -51,7 +49,8 @@ class LevelMedia {
 /// The media of coarser levels as slices, with light wanted around all blocks of a level's own grid.
 class CoarserSlices {
   public:
-    CoarserSlices(const LevelScene& level, const CellGrid& own);
+    /// `holding` has the grids of all that `along` will be asked for.
+    explicit CoarserSlices(const Holding& holding);
     /// Along an axis of the world. `holding` must outlive them.
     std::vector<CellSlices> along(int axis, const Holding& holding, std::size_t colour) const;
 

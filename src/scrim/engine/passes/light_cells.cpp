@@ -177,10 +177,10 @@ class Pass {
             slices.clearSums(sums);
             const auto begin = std::size_t(first - sources.owners.begin());
             const auto [suns, points] =
-                raysFrom(job, {begin, std::size_t(last - sources.owners.begin())}, colour, slices);
+                raysFrom(job, {begin, std::size_t(last - sources.owners.begin())}, colour, colours, slices);
             // The cells see each point along one of three axes.
             m_directions +=
-                slices.wantedCells() * (suns[0].size() + suns[1].size()) + slices.wantedCells() * points.size() / 3;
+                slices.wanted.cells() * (suns[0].size() + suns[1].size()) + slices.wanted.cells() * points.size() / 3;
             for (const bool down : {false, true}) {
                 const auto pass = [&](const std::vector<CellRays>& rays, bool parallel) {
                     SCRIM_ON_TARGET(m_simd, sweepCells)(rays, {view, slices, coarser, m_checkpoint, parallel, down});
@@ -204,14 +204,14 @@ class Pass {
     struct Rays {
         std::vector<CellRays> suns[2], points;
     };
-    // The rays of the sources of one light, `range` of those of a job, that pass the slices along their axis.
-    Rays raysFrom(const Job& job, std::pair<std::size_t, std::size_t> range, int colour,
+    // The rays of the sources of one light, `range` of those of a job, that pass the slices along their axis, with
+    // weights for `colours`, of which `colour` is the first and only one unless it is -1.
+    Rays raysFrom(const Job& job, std::pair<std::size_t, std::size_t> range, int colour, std::size_t colours,
                   const CellSlices& slices) const {
         static const WidePhase kNarrow;
         const Sources& sources = job.sources;
         const Octave& octave = job.octave;
         const WidePhase& wide = job.wide.empty() ? kNarrow : job.wide[std::size_t(sources.owners[range.first])];
-        const std::size_t colours = colour < 0 ? (job.lamp ? job.lamp->values() : *job.field).colours() : 1;
         Rays out;
         for (std::size_t i = range.first; i < range.second; ++i) {
             const Light& light = sources.lights[i];
@@ -560,7 +560,7 @@ std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<i
     findMedia(level, media, surfaces, jobs, held);
     std::size_t most = 0;
     Pass pass(own, *grid, simd, checkpoint);
-    const CoarserSlices coarser(level, *grid);
+    const CoarserSlices coarser(held.front());
     CellSlices slices(*grid);
     for (int axis = 0; axis < 3; ++axis) {
         slices.layAlong(axis);

@@ -43,6 +43,12 @@ class RowSpans {
     std::size_t rows() const { return m_first.size() - 1; }
     /// For each `perSlice` rows after one another, those of them that have spans.
     std::vector<std::vector<int>> usedRows(std::size_t perSlice) const;
+    /// The cells of all spans.
+    std::size_t cells() const {
+        std::size_t sum = 0;
+        for (const CellSpan& span : m_spans) sum += std::size_t(span.end - span.begin);
+        return sum;
+    }
     bool empty(std::size_t row) const { return m_first[row] == m_first[row + 1]; }
     std::size_t bytes() const { return m_first.size() * sizeof(std::size_t) + m_spans.size() * sizeof(CellSpan); }
 

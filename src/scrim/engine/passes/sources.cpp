@@ -44,7 +44,6 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     Sources out;
     if (const Light& first = scene.lights[std::size_t(lights.front())]; isLampOnCells(scene, first))
         out = sourcesOfLamp(first, pointsOnCells(scene, first));
-    out.attenuated = isHeldBack(scene, std::size_t(lights.front()));
     if (out.lamp) return out;
     ViewScene alone = scene;
     alone.lights.clear();
@@ -67,7 +66,6 @@ Sources sourcesForSurfaces(const ViewScene& scene, const std::vector<int>& light
     constexpr int kForEdges = 2;  // times as many points as media need, since shadows on surfaces have edges
     if (!isLampOnCells(scene, scene.lights[std::size_t(lights.front())])) return sourcesOf(scene, lights);
     Sources out;
-    out.attenuated = isHeldBack(scene, std::size_t(lights.front()));
     out.blocked = isBlocked(scene, std::size_t(lights.front()));
     for (std::size_t owner = 0; owner < lights.size(); ++owner) {
         const Light& lamp = scene.lights[std::size_t(lights[owner])];

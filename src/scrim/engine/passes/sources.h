@@ -31,6 +31,7 @@ struct Sources {
 Sources sourcesOfLamp(const Light& light, int count);
 
 /// These lights of the scene, which the same volumes and solids hold back; either others or one lamp (isLampOnCells).
+/// All count as attenuated: volumes that `scene` does not have may hold them back, too.
 Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights);
 /// The same for surfaces, which ask for the direction of each source: lamps are points that shine. Those of a sphere of
 /// radius r send (1 + r^2 / 4 d^2) times the light of its middle to a place at distance d, as the sphere does.

@@ -117,9 +117,7 @@ std::size_t castingSets(const ViewScene& scene, const std::vector<int>& lights, 
     for (const int i : lights)
         if (!media || isHeldBack(scene, std::size_t(i)))
             sets.emplace(castersIn(scene, std::size_t(i)), !media && isBlocked(scene, std::size_t(i)));
-    std::vector<bool> all;
-    for (const ViewVolume& volume : scene.volumes) all.push_back(!volume.field->empty());
-    if (media) sets.emplace(all, false);
+    if (media) sets.emplace(withVoxels(scene), false);
     return sets.size();
 }
 
