@@ -4,6 +4,7 @@
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/cells/cell_levels.h>
 #include <scrim/engine/cells/ordinates.h>
 #include <scrim/engine/solve/scattered_light.h>
 #include <scrim/scene/light_at.h>
@@ -121,6 +122,16 @@ ViewScene withCells(const ViewScene& scene, double cell, int directions = kOrdin
     return with;
 }
 
+// The voxels along the longest edge of volumes that are solved for together.
+double mostVoxelsAlong(const ViewScene& scene) {
+    double most = 1;
+    for (const ScatterDomain& domain : planTransport(withCells(scene, 1)).domains) {
+        const ViewScene own = withVoxelsOf(scene, domain.volumes);
+        most = std::max(most, largest(wsBounds(own).size()) / voxelUnit(own));
+    }
+    return most;
+}
+
 // True if a pilot with such cells takes little memory.
 bool isSmall(const ViewScene& scene, double cell) {
     constexpr std::size_t kMostBytes = 500'000'000;
@@ -204,7 +215,7 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
     }
     ViewScene scene = withFewSubLights(given, kLights);
     scene.layers.clear();
-    const double longest = largest(wsBounds(scene).size()) / voxelUnit(scene);
+    const double longest = mostVoxelsAlong(scene);
     pilot.edge = 2 * std::max(longest / kFewestAlong, 1.0);
     std::vector<CellLight> coarse = solved(withCells(scene, 2 * pilot.edge)),
                            fine = solved(withCells(scene, pilot.edge));

@@ -162,10 +162,7 @@ const std::map<std::string, double>& dearer() {
         {"sphere beside, dense, alone", 12},
         {"sphere inside, dense, alone", 12},
         // Rays from the solid to each of its points, none of which has a shadow buffer.
-        {"sphere inside, smoke, caught", 19},
-        // Solves have cells of one size: the smallest voxels', all over the scene.
-        {"sun, full, haze", 42},
-        {"sun, full, fine ball", 55}};
+        {"sphere inside, smoke, caught", 19}};
     return all;
 }
 

@@ -2,7 +2,7 @@
 #include <scrim/engine/cells/cell_media.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/model/plan.h>
+#include <scrim/engine/cells/cell_levels.h>
 #include <scrim/scene/optics.h>
 
 #include <algorithm>
@@ -262,10 +262,10 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin) {
     return boxes;
 }
 
-CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
-                    const CellPlaces& places) {
-    CellMedia media;
-    std::vector<Bounds> boxes = cellBoxes(scene, std::max(edge, places.margin));
+CellGrid cellGrid(const ViewScene& scene, double edge, const CellPlaces& places) {
+    const double margin = std::max(edge, places.margin);
+    std::vector<Bounds> boxes =
+        places.covered.empty() ? cellBoxes(scene, margin) : cellBoxes(withVoxelsOf(scene, places.covered), margin);
     boxes.insert(boxes.end(), places.more.begin(), places.more.end());
     const bool walls = places.walls && !boxes.empty() && solidsBlock(scene);
     if (walls) {
@@ -276,8 +276,15 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
             CellGrid::boxesOfWalls(*scene.solids, edge, all, {all.lower - reach, all.upper + reach});
         boxes.insert(boxes.end(), more.begin(), more.end());
     }
-    media.grid = CellGrid(edge, boxes, places.wsCorner);
-    if (walls) media.grid.raiseWalls(scene.solids);
+    CellGrid grid(edge, boxes, places.wsCorner);
+    if (walls) grid.raiseWalls(scene.solids);
+    return grid;
+}
+
+CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
+                    const CellPlaces& places) {
+    CellMedia media;
+    media.grid = cellGrid(scene, edge, places);
     const auto rows = [&](bool one) {
         return std::vector<std::vector<Real>>(one ? 1 : 3, std::vector<Real>(media.grid.cells(), Real(0)));
     };
@@ -300,6 +307,34 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
     }
     goStraight(media, classes);
     return media;
+}
+
+void addLarger(CellMedia& media, const CellMedia& larger) {
+    if (media.emission.empty() && !larger.emission.empty())
+        media.emission.assign(3, std::vector<Real>(media.grid.cells(), Real(0)));
+    parallelFor(media.grid.storedBlocks().size(), [&](std::size_t block) {
+        for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
+            const Vec3 at = larger.grid.csFromWs(media.grid.wsCenter(cell)) - 0.5;
+            const Int3 low(glm::floor(at));
+            const Vec3 part = at - Vec3(low);
+            std::array<std::pair<std::size_t, Real>, 8> near;
+            std::size_t count = 0;
+            for (int corner = 0; corner < 8; ++corner) {
+                const Int3 up(corner & 1, corner >> 1 & 1, corner >> 2);
+                const std::ptrdiff_t index = larger.grid.index(low + up);
+                const Vec3 weight = glm::mix(1.0 - part, part, Vec3(up));
+                if (index >= 0) near[count++] = {std::size_t(index), static_cast<Real>(weight.x * weight.y * weight.z)};
+            }
+            const auto add = [&](std::vector<std::vector<Real>>& to, const std::vector<std::vector<Real>>& from) {
+                for (std::size_t c = 0; c < from.size(); ++c)
+                    for (std::size_t i = 0; i < count; ++i) to[c][cell] += near[i].second * from[c][near[i].first];
+            };
+            add(media.extinction, larger.extinction);
+            add(media.straight, larger.straight);
+            add(media.emission, larger.emission);
+            for (std::size_t k = 0; k < larger.scattering.size(); ++k) add(media.scattering[k], larger.scattering[k]);
+        }
+    });
 }
 
 namespace {

@@ -110,7 +110,12 @@ struct CellPlaces {
     /// does not depend on it.
     std::vector<bool> dense = {};
     std::vector<Bounds> more = {};  ///< world boxes that cells cover, too
+    /// For each volume of the scene, whether cells cover it; empty: all.
+    std::vector<bool> covered = {};
 };
+
+/// The cells of `edge` world units at these places.
+CellGrid cellGrid(const ViewScene& scene, double edge, const CellPlaces& places);
 
 /// All volumes of the scene in cells of `edge` world units. A voxel counts as a cube of constant value (in a rotated
 /// volume, as its box along the world's axes), and each cell gets its share, so that sums are preserved. In cells
@@ -118,6 +123,10 @@ struct CellPlaces {
 /// Throws Error(memory) as CellGrid does.
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
                     const CellPlaces& places = {});
+
+/// Adds to media those of larger cells, interpolated linearly between the centres of these. Both are of the same
+/// classes.
+void addLarger(CellMedia& media, const CellMedia& larger);
 
 /// Subtracts the light that scatters straight on from extinction and scattering, by how `classes` split it.
 void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes);

@@ -48,6 +48,12 @@ void walkCells(const CellGrid& grid, const Vec3& ws, const Vec3& direction, doub
 struct Depths {
     Rgb tau{0};       ///< optical depth without scattering straight on
     Rgb straight{0};  ///< the depth of that scattering
+
+    Depths& operator+=(const Depths& o) {
+        tau += o.tau;
+        straight += o.straight;
+        return *this;
+    }
 };
 
 /// The optical depths of the cells from `ws` along a direction (unit), over a distance that may be infinite. Depths

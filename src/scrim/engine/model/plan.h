@@ -108,10 +108,21 @@ struct ScatterTarget {
     bool ambient = false, emission = false;
 };
 
+/// Part of space that scattered light is solved for on cells of one size (solve/scatter_domains.h). All lists are for
+/// each of ViewScene::volumes.
+struct ScatterDomain {
+    std::vector<bool> volumes;  ///< whether the cells keep its light
+    std::vector<bool> held;     ///< whether the cells have its voxels: volumes of the same or smaller ones
+    std::vector<bool> larger;   ///< whether they have those of its larger voxels that the domain around has
+    double edge = 0;            ///< of the cells, world units
+    int parent = -1;            ///< the number of the domain around; -1: the domain is the whole scene
+    bool filled = false;        ///< cells fill the box around the volumes, because larger voxels matter between them
+};
+
 struct TransportPlan {
     std::vector<ScatterTarget> targets;  ///< empty: no volume scatters light more than once
-    double edge = 0;                     ///< edge of the finest cells, world units
-    double cells = 0;                    ///< approximate number of them
+    std::vector<ScatterDomain> domains;  ///< each after the one around it
+    double cells = 0;                    ///< approximate number of all cells
     int ordinates = 64;
     bool isotropic = true;
     bool coarse = false;     ///< cells are larger than requested, to measure the effect

@@ -247,9 +247,17 @@ Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
     Effect out = found.effect("multiple scattering", "in ", "no volume has scattering = \"full\": light scatters once");
     const TransportPlan& t = plan.transport;
     const std::size_t solves = solvesOf(scene, t);
-    if (out.on)
-        out.reason += fmt::format("; {} solve{} along {} directions, cells of {:.4g} world units, about {}", solves,
-                                  solves == 1 ? "" : "s", t.ordinates, t.edge, bytesText(t.bytes));
+    if (out.on) {
+        std::vector<std::string> edges;  // of all domains, each once
+        for (const ScatterDomain& domain : t.domains)
+            if (std::string edge = fmt::format("{:.4g}", domain.edge); std::ranges::find(edges, edge) == edges.end())
+                edges.push_back(std::move(edge));
+        out.reason += fmt::format("; {} solve{} along {} directions, cells of {} world units, about {}", solves,
+                                  solves == 1 ? "" : "s", t.ordinates, fmt::join(edges, ", "), bytesText(t.bytes));
+        if (t.domains.size() > 1)
+            out.reason +=
+                fmt::format("; each solve in {} parts of space, for voxels of their own size", t.domains.size());
+    }
     if (const std::string skies = blurredSkies(scene, t); !skies.empty()) out.reason += "; " + skies;
     if (out.on && solidsBlock(scene))
         for (const Solid& solid : scene.solids->all())

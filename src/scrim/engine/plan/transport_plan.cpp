@@ -11,6 +11,7 @@
 #include <scrim/engine/solve/cell_sweep.h>
 #include <scrim/engine/solve/last_sweep.h>
 #include <scrim/engine/solve/first_light.h>
+#include <scrim/engine/solve/scatter_domains.h>
 
 #include <algorithm>
 #include <cmath>
@@ -409,6 +410,17 @@ std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan) {
 
 namespace {
 
+// The approximate number of a domain's cells.
+double cellsOf(const ViewScene& scene, const ScatterDomain& domain, bool alone) {
+    const ViewScene own = domain.parent < 0 ? scene : withVoxelsOf(scene, domain.volumes);
+    // Blocks of cells at the border are only partly covered by voxels' blocks, which about doubles their number.
+    const double blocks = 2 * occupied(own, 0.5 * domain.edge), cell = std::pow(domain.edge, 3);
+    if (alone) return blocks / cell;
+    const Vec3 box = wsBounds(own).size() + domain.edge * kCellEdge;
+    const double all = box.x * box.y * box.z;
+    return (domain.filled ? all : std::min(blocks, all)) / cell;
+}
+
 // Memory for multiply scattered light: what a solve, its last sweep and its light keep of each cell.
 double bytesFor(const ViewScene& scene, const TransportPlan& plan, bool flux) {
     const auto ordinates = std::size_t(solvedOrdinates(plan.ordinates));
@@ -450,13 +462,12 @@ TransportPlan planTransport(const ViewScene& scene, bool flux) {
     if (!anyScattersFully(scene)) return plan;
     plan.targets = targetsOf(scene);
     const double cell = scene.dials.scatterCell.value_or(kScatterCell);
-    plan.edge = cell * voxelUnit(scene);
+    plan.domains = flux ? wholeScene(scene, cell) : scatterDomains(scene, cell);
     plan.ordinates = scene.dials.scatterDirections.value_or(ordinatesFor(scene));
     plan.isotropic = !flux && std::ranges::all_of(scene.volumes, [](const ViewVolume& v) {
         return v.classified || v.medium.phase.isotropic();
     });
-    // Blocks of cells at the border are only partly covered by voxels' blocks, which about doubles their number.
-    plan.cells = 2 * occupied(scene, 0.5 * plan.edge) / (plan.edge * plan.edge * plan.edge);
+    for (const ScatterDomain& domain : plan.domains) plan.cells += cellsOf(scene, domain, plan.domains.size() == 1);
     const double bytes = bytesFor(scene, plan, flux);
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
     if (scene.memoryLimit > 0 && plan.bytes > scene.memoryLimit)

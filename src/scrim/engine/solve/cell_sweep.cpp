@@ -79,7 +79,7 @@ class Bundle {
                     static_cast<Real>(sweep.ordinates->weights[m_first + lane] *
                                       std::abs(sweep.ordinates->directions[m_first + lane][axis]) / onFace[axis]);
             m_weight[lane] = static_cast<Real>(sweep.ordinates->weights[m_first + lane] / (4 * std::numbers::pi));
-            m_inflow[lane] = sweep.inflow ? sweep.inflow[m_first + lane] : Real(0);
+            m_inflow[lane] = sweep.inflow && !sweep.inflow->even.empty() ? sweep.inflow->even[m_first + lane] : Real(0);
         }
         m_acrossX = std::size_t(blocks.x) * kCellEdge;
         m_x = hwy::AllocateAligned<Real>(kCellEdge * kCellEdge * m_lanes);
@@ -92,18 +92,20 @@ class Bundle {
     template <class Source, class Result>
     HWY_ATTR void pass(const Source& source, const Result& result) {
         const Int3 blocks = m_sweep.grid->blocks();
-        const std::size_t acrossY = std::size_t(blocks.y) * kCellEdge, deep = std::size_t(blocks.z) * kCellEdge;
-        const std::size_t facesY = acrossY * deep, facesZ = facesY + m_acrossX * deep;
-        enter(m_z.get(), acrossY * m_acrossX, [&](std::size_t i) { return facesZ + i; });
+        const std::size_t acrossY = std::size_t(blocks.y) * kCellEdge;
+        enter(m_z.get(), acrossY * m_acrossX, 2, [&](std::size_t i) { return At{i % m_acrossX, i / m_acrossX}; });
         for (int k = 0; k < blocks.z; ++k) {
             const int atZ = m_down[2] ? blocks.z - 1 - k : k;
             const std::size_t z = std::size_t(atZ) * kCellEdge;
-            enter(m_y.get(), kCellEdge * m_acrossX, [&](std::size_t i) { return facesY + z * m_acrossX + i; });
+            enter(m_y.get(), kCellEdge * m_acrossX, 1, [&](std::size_t i) {
+                return At{i % m_acrossX, z + i / m_acrossX};
+            });
             for (int j = 0; j < blocks.y; ++j) {
                 const int atY = m_down[1] ? blocks.y - 1 - j : j;
                 const std::size_t y = std::size_t(atY) * kCellEdge;
-                enter(m_x.get(), kCellEdge * kCellEdge,
-                      [&](std::size_t i) { return (z + i / kCellEdge) * acrossY + y + i % kCellEdge; });
+                enter(m_x.get(), kCellEdge * kCellEdge, 0, [&](std::size_t i) {
+                    return At{y + i % kCellEdge, z + i / kCellEdge};
+                });
                 for (int i = 0; i < blocks.x; ++i) {
                     const Int3 at(m_down[0] ? blocks.x - 1 - i : i, atY, atZ);
                     const std::int32_t stored = m_sweep.grid->stored(at);
@@ -122,17 +124,43 @@ class Bundle {
     HWY_ATTR VL weight() const { return lanes(m_weight); }
 
   private:
-    // Fills the faces at the border. borderFace(i): the number of face i (see bordersOpen).
-    template <class BorderFace>
-    HWY_ATTR void enter(Real* faces, std::size_t count, const BorderFace& borderFace) const {
+    // A face of the border, counted along axesAcross().
+    struct At {
+        std::size_t u, v;
+    };
+    // Fills the faces across an axis at the border; place(i) is the place of face i.
+    template <class PlaceOf>
+    HWY_ATTR void enter(Real* faces, std::size_t count, int axis, const PlaceOf& place) const {
+        if (m_sweep.inflow && m_sweep.inflow->even.empty()) return enterByPlace(faces, count, axis, place);
         const VL inflow = lanes(m_inflow);
         for (std::size_t i = 0; i < count; ++i) hn::StoreU(inflow, DL(), faces + i * m_lanes);
         if (!m_sweep.border || m_sweep.border->empty()) return;
         const auto ordinates = std::size_t(m_sweep.ordinates->count());
+        const Int3 size = m_sweep.grid->blocks() * kCellEdge;
+        const auto nx = std::size_t(size.x), ny = std::size_t(size.y), nz = std::size_t(size.z);
+        const std::size_t first = axis == 0 ? 0 : axis == 1 ? ny * nz : (ny + nx) * nz, row = axis == 0 ? ny : nx;
         for (std::size_t i = 0; i < count; ++i) {
-            const std::uint8_t* open = m_sweep.border->data() + borderFace(i) * ordinates + m_first;
+            const At at = place(i);
+            const std::uint8_t* open = m_sweep.border->data() + (first + at.v * row + at.u) * ordinates + m_first;
             for (std::size_t lane = 0; lane < m_lanes; ++lane)
                 faces[i * m_lanes + lane] *= static_cast<Real>(open[lane]);
+        }
+    }
+    template <class PlaceOf>
+    HWY_ATTR void enterByPlace(Real* faces, std::size_t count, int axis, const PlaceOf& place) const {
+        const int side = 2 * axis + (m_down[axis] ? 1 : 0);
+        const auto ordinates = std::size_t(m_sweep.ordinates->count());
+        const Real* rows = m_sweep.inflow->byNode[std::size_t(side)].data() + m_first;
+        const Int3 size = m_sweep.grid->blocks() * kCellEdge;
+        const std::array<int, 2> axes = axesAcross(axis);
+        for (std::size_t i = 0; i < count; ++i) {
+            const At at = place(i);
+            const Inflow::Place nodes = m_sweep.inflow->placeOn(
+                side, {(double(at.u) + 0.5) / size[axes[0]], (double(at.v) + 0.5) / size[axes[1]]});
+            VL sum = hn::Zero(DL());
+            for (std::size_t k = 0; k < 4; ++k)
+                sum = hn::MulAdd(hn::Set(DL(), nodes.weight[k]), lanes(rows + nodes.node[k] * ordinates), sum);
+            hn::StoreU(sum, DL(), faces + i * m_lanes);
         }
     }
     Real* faceX(int y, int z) { return m_x.get() + std::size_t(z * kCellEdge + y) * m_lanes; }

@@ -13,6 +13,7 @@
 #include <scrim/base/simd.h>
 #include <scrim/engine/cells/cell_grid.h>
 #include <scrim/engine/cells/ordinates.h>
+#include <scrim/engine/solve/border_light.h>
 
 #include <cstdint>
 #include <vector>
@@ -26,13 +27,12 @@ struct CellSweep {
     const CellGrid* grid = nullptr;
     const Ordinates* ordinates = nullptr;
     const Real* extinction = nullptr;  ///< one value for each cell
-    /// One value for each ordinate: the radiance that enters from outside of all cells; nullptr: none.
-    const Real* inflow = nullptr;
+    const Inflow* inflow = nullptr;    ///< what enters from outside of all cells; nullptr: nothing
     bool notBelowZero = false;
     Simd simd;
-    /// Whether `inflow` gets past walls to the cells at the border: 1 or 0 for each ordinate of each face. The faces
-    /// across x are numbered z ny + y, those across y follow as z nx + x, then those across z as y nx + x, with nx, ny
-    /// and nz cells along the edges. nullptr or empty: it does.
+    /// Whether an even `inflow` gets past walls to the cells at the border: 1 or 0 for each ordinate of each face. The
+    /// faces across x are numbered z ny + y, those across y follow as z nx + x, then those across z as y nx + x, with
+    /// nx, ny and nz cells along the edges. nullptr or empty: it does.
     const std::vector<std::uint8_t>* border = nullptr;
     /// One value for each side of the grid's walls (CellGrid::sides): the radiance that comes from there, the mean over
     /// the face. nullptr: no wall sends light back.

@@ -53,9 +53,10 @@ struct NearLamp {
 // Rays to one light that is not extended, through extinction that is constant in each cell.
 class FirstCollisions {
   public:
-    // `media`, those of the solve, `last`, those of its last sweep, `light` and the scene's solids must outlive this
-    // object. A light's slide must be loaded.
-    FirstCollisions(const ViewScene& scene, const CellMedia& media, const CellMedia& last, const Light& light);
+    // `media`, those of the solve, `last`, those of its last sweep, `around`, what lies around both (null: nothing),
+    // `light` and the scene's solids must outlive this object. A light's slide must be loaded.
+    FirstCollisions(const ViewScene& scene, const CellMedia& media, const CellMedia& last, const Around* around,
+                    const Light& light);
 
     // The light in cell `cell`: the mean along the ray through its centre.
     ArrivingInCell at(std::size_t cell) const;
@@ -73,6 +74,7 @@ class FirstCollisions {
 
     const ViewScene& m_scene;
     const CellMedia &m_media, &m_last;
+    const Around* m_around;
     const Light& m_light;
     LightAt m_unattenuated;
     std::vector<Real> m_lit;  // the part of each cell that is not in a solid's shadow; empty: no solid casts one
@@ -80,10 +82,11 @@ class FirstCollisions {
 
 // The distance to the light is at least the mean distance of a cell's points from its centre.
 FirstCollisions::FirstCollisions(const ViewScene& scene, const CellMedia& media, const CellMedia& last,
-                                 const Light& light)
+                                 const Around* around, const Light& light)
     : m_scene(scene),
       m_media(media),
       m_last(last),
+      m_around(around),
       m_light(light),
       m_unattenuated(light, kNearest * media.grid.edge()) {
     if (light.shadows && media.grid.hasWalls()) findShadows();
@@ -140,7 +143,8 @@ ArrivingInCell FirstCollisions::at(std::size_t cell) const {
     // The mean chord of a cube along a direction is its volume divided by its projected area.
     const double chord = m_media.grid.edge() / (std::abs(toLight.x) + std::abs(toLight.y) + std::abs(toLight.z));
     const auto attenuate = [&](const CellMedia& media, Rgb& irradiance) {
-        const Depths depths = bundleDepths(media, ws, toLight, out.distance);
+        Depths depths = bundleDepths(media, ws, toLight, out.distance);
+        if (m_around) depths += m_around->beyond(media.grid, &media != &m_media, ws, toLight, out.distance);
         for (int c = 0; c < 3; ++c)
             irradiance[c] *= std::exp(-depths.tau[c]) * meanOverCell(chord * media.extinctionOf(std::size_t(c))[cell]);
         return depths.straight;
@@ -298,41 +302,43 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
     return {radiance.begin(), radiance.end()};
 }
 
-FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, bool once,
-                       const CellMedia& media, const Last& last, const TransportSolver& solver)
+FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, bool once, const Cells& cells,
+                       const TransportSolver& solver)
     : m_colour(colour), m_once(once), m_emission(target.emission && !once), m_solver(solver) {
-    if (!last.media.straight.empty() && !once)
-        m_straight.assign(last.moments ? 4 : last.classes.size(), std::vector<Real>(solver.rows(), Real(0)));
-    if (!once) m_onSides.assign(media.grid.sides(), Real(0));
+    if (!cells.last.straight.empty() && !once)
+        m_straight.assign(cells.moments ? 4 : cells.classes.size(), std::vector<Real>(solver.rows(), Real(0)));
+    if (!once) m_onSides.assign(cells.media.grid.sides(), Real(0));
     for (const int owner : target.lights) {
         const Light& whole = scene.lights[std::size_t(owner)];
         for (const Light& point : pointsOf(scene, whole)) {
-            const FirstCollisions rays(scene, media, last.media, point);
+            const FirstCollisions rays(scene, cells.media, cells.last, cells.around, point);
             std::vector<Real>& irradiance = m_irradiance.emplace_back(solver.rows());
             m_points.emplace_back(std::size_t(owner), point);
             parallelFor(solver.rows(), [&](std::size_t row) {
                 const std::size_t cell = solver.cellOfRow()[row];
-                if (rays.isNear(cell) || (m_straight.empty() && !media.sends(cell))) return;
+                if (rays.isNear(cell) || (m_straight.empty() && !cells.media.sends(cell))) return;
                 const ArrivingInCell arriving = rays.at(cell);
                 irradiance[row] = static_cast<Real>(arriving.irradiance[colour]);
-                addStraight(
-                    scene, last, std::size_t(owner),
-                    {arriving.travel, arriving.last[colour], arriving.straightDepth[colour], media.grid.wsCenter(cell)},
-                    row);
+                addStraight(scene, cells, std::size_t(owner),
+                            {arriving.travel, arriving.last[colour], arriving.straightDepth[colour],
+                             cells.media.grid.wsCenter(cell)},
+                            row);
             });
             auto& near = m_near.emplace_back();
             for (const NearLamp& light : rays.aroundLamp(std::size_t(colour))) {
                 const std::int32_t row = solver.rowOfCell()[light.cell];
                 if (row < 0) continue;
                 near.emplace_back(row, light.travel, static_cast<Real>(light.irradiance));
-                addStraight(scene, last, std::size_t(owner),
-                            {light.travel, light.last, light.straightDepth, media.grid.wsCenter(light.cell)},
+                addStraight(scene, cells, std::size_t(owner),
+                            {light.travel, light.last, light.straightDepth, cells.media.grid.wsCenter(light.cell)},
                             std::size_t(row));
             }
             parallelFor(m_onSides.size(), [&](std::size_t side) {
                 double sum = 0;
-                for (const auto& [ws, normal] : media.grid.pointsOfSide(side)) sum += rays.onto(ws, normal)[colour];
-                m_onSides[side] += static_cast<Real>(sum * media.grid.firstOfSide(side)[colour] / std::numbers::pi);
+                for (const auto& [ws, normal] : cells.media.grid.pointsOfSide(side))
+                    sum += rays.onto(ws, normal)[colour];
+                m_onSides[side] +=
+                    static_cast<Real>(sum * cells.media.grid.firstOfSide(side)[colour] / std::numbers::pi);
             });
         }
     }
@@ -354,11 +360,11 @@ std::size_t FirstLight::bytes() const {
 }
 
 // Where phase functions are mixed, each class sees the beam as if its own phase function had spread it.
-void FirstLight::addStraight(const ViewScene& scene, const Last& last, std::size_t owner, const Straight& light,
+void FirstLight::addStraight(const ViewScene& scene, const Cells& cells, std::size_t owner, const Straight& light,
                              std::size_t row) {
     const auto& [travel, irradiance, depth, ws] = light;
     if (m_straight.empty() || depth == 0 || !(irradiance > 0)) return;
-    if (last.moments) {
+    if (cells.moments) {
         const double mean = -std::expm1(-depth) * irradiance / (4 * std::numbers::pi);
         m_straight[0][row] += static_cast<Real>(mean);
         for (int axis = 0; axis < 3; ++axis)
@@ -366,8 +372,8 @@ void FirstLight::addStraight(const ViewScene& scene, const Last& last, std::size
         return;
     }
     const double cosine = glm::dot(travel, travelToEye(scene.camera, ws));
-    for (std::size_t k = 0; k < last.classes.size(); ++k)
-        if (const ScatterClass& own = last.classes[k]; !own.once && own.litBy(owner))
+    for (std::size_t k = 0; k < cells.classes.size(); ++k)
+        if (const ScatterClass& own = cells.classes[k]; !own.once && own.litBy(owner))
             m_straight[k][row] += static_cast<Real>(irradiance * own.split.scatteredAgain(depth, cosine));
 }
 

@@ -7,6 +7,7 @@
 #include <scrim/engine/model/plan.h>
 #include <scrim/engine/cells/cell_media.h>
 #include <scrim/engine/cells/ordinates.h>
+#include <scrim/engine/solve/border_light.h>
 #include <scrim/engine/solve/solver.h>
 #include <scrim/scene/view_scene.h>
 
@@ -25,16 +26,18 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
 /// An extended light counts as a few points, because light that scatters twice has no sharp shadows.
 class FirstLight {
   public:
-    /// What the last sweep of a solve keeps.
-    struct Last {
+    /// The cells of a solve.
+    struct Cells {
         const CellMedia& media;
-        const std::vector<ScatterClass>& classes;
-        bool moments;  ///< see straight()
+        const CellMedia& last;                     ///< with phase functions split for the last sweep
+        const std::vector<ScatterClass>& classes;  ///< likewise
+        bool moments;                              ///< what the last sweep keeps: see straight()
+        const Around* around = nullptr;            ///< what lies around the cells; null: nothing
     };
-    /// With `once` it is the light that classes which scatter once send on, and no emission. `media`: of the solve.
-    /// `solver` must outlive this object.
-    FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, bool once, const CellMedia& media,
-               const Last& last, const TransportSolver& solver);
+    /// With `once` it is the light that classes which scatter once send on, and no emission. `solver` must outlive this
+    /// object.
+    FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, bool once, const Cells& cells,
+               const TransportSolver& solver);
 
     /// Adds it to a source as TransportSolver::source has it, along ordinates. `classes` and `media` belong to these.
     void addTo(const Ordinates& along, const std::vector<ScatterClass>& classes, const CellMedia& media, Simd simd,
@@ -55,7 +58,7 @@ class FirstLight {
         double irradiance, depth;
         Vec3 ws;
     };
-    void addStraight(const ViewScene& scene, const Last& last, std::size_t owner, const Straight& light,
+    void addStraight(const ViewScene& scene, const Cells& cells, std::size_t owner, const Straight& light,
                      std::size_t row);
 
     int m_colour;

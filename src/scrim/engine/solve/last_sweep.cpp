@@ -7,9 +7,6 @@
 #include <algorithm>
 
 namespace scrim {
-namespace {
-
-// Media as they are with phase functions split as those of `to`, not as those of `from`.
 CellMedia splitAgain(const CellMedia& media, const std::vector<ScatterClass>& from,
                      const std::vector<ScatterClass>& to) {
     CellMedia out = media;
@@ -22,8 +19,6 @@ CellMedia splitAgain(const CellMedia& media, const std::vector<ScatterClass>& fr
     goStraight(out, to);
     return out;
 }
-
-}  // namespace
 
 int solvedOrdinates(int ordinates) {
     return std::max(kOrdinateCounts[0], ordinates / 2);
@@ -38,7 +33,7 @@ LastSweep::LastSweep(const ViewScene& scene, const CellMedia& media, const std::
       m_simd(simd),
       m_ordinates(scrim::ordinates(count)),
       m_ofSolve(scrim::ordinates(solvedOrdinates(count))),
-      m_parts(divided(m_ordinates, count / m_ofSolve.count())),
+      m_parts(scrim::divided(m_ordinates, count / m_ofSolve.count())),
       m_classes(m_parts.size() == 1 ? classes : scatterClasses(scene, count)) {
     m_borders.resize(m_parts.size());
     if (!std::ranges::equal(classes, m_classes, {}, &ScatterClass::straight, &ScatterClass::straight))
@@ -81,17 +76,14 @@ void LastSweep::addScattered(bool once, std::size_t colour, const std::vector<Re
 }
 
 // Turns a source into the radiance along the ordinates of a part.
-void LastSweep::sweep(std::size_t part, std::size_t colour, const std::vector<Real>& inflow, std::vector<Real>& rows) {
-    std::vector<Real> own;
-    for (std::size_t m = part; m < inflow.size(); m += m_parts.size()) own.push_back(inflow[m]);
+void LastSweep::sweep(std::size_t part, std::size_t colour, const Inflow* inflow, std::vector<Real>& rows) {
     // Series may go below zero, and light does not.
     parallelChunks(rows.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) rows[i] = std::max(rows[i], Real(0));
     });
     const CellGrid& grid = m_solved.grid;
-    if (!own.empty() && m_borders[part].empty()) m_borders[part] = openBorder(grid, m_parts[part]);
-    CellSweep cells{&grid, &m_parts[part], media().extinctionOf(colour).data(), own.empty() ? nullptr : own.data(),
-                    true,  m_simd};
+    if (inflow && m_borders[part].empty()) m_borders[part] = openBorder(grid, m_parts[part]);
+    CellSweep cells{&grid, &m_parts[part], media().extinctionOf(colour).data(), inflow, true, m_simd};
     cells.border = &m_borders[part];
     m_cellDirections += grid.cells() * std::size_t(m_parts[part].count());
     std::vector<Real> caught;
@@ -139,9 +131,15 @@ void LastSweep::keep(const Ordinates& along, const std::vector<Real>& rows, std:
     });
 }
 
-std::vector<std::vector<Real>> LastSweep::pass(
-    std::size_t colour, const std::vector<Real>& inflow, bool solved,
-    const std::function<void(const Ordinates&, std::vector<Real>&)>& addSource) {
+std::vector<Inflow> LastSweep::divided(const std::vector<Real>& inflow) const {
+    std::vector<Inflow> parts(inflow.empty() ? 0 : m_parts.size());
+    for (std::size_t part = 0; part < parts.size(); ++part)
+        for (std::size_t m = part; m < inflow.size(); m += m_parts.size()) parts[part].even.push_back(inflow[m]);
+    return parts;
+}
+
+std::vector<std::vector<Real>> LastSweep::pass(std::size_t colour, const PassInflow& inflow, bool solved,
+                                               const Source& addSource, const Send& send) {
     std::vector<std::vector<Real>> kept(m_classes.size() + (m_flux ? 3 : 0), std::vector<Real>(m_solver.rows(), 0));
     std::vector<std::vector<Real>> lobes(m_classes.size());
     for (std::size_t k = 0; k < m_classes.size(); ++k)
@@ -150,14 +148,22 @@ std::vector<std::vector<Real>> LastSweep::pass(
     for (const auto* rows : {&kept, &lobes})
         for (const std::vector<Real>& row : *rows) values += row.size();
     m_kept = std::max(m_kept, values * sizeof(Real));
+    const auto fill = [&](const Ordinates& along) -> std::vector<Real>& {
+        std::vector<Real>& rows = m_solver.clearedSource();
+        if (addSource) addSource(along, rows);
+        if (solved) addScattered(false, colour, m_solver.radiance(), along, rows);
+        return rows;
+    };
+    if (send && m_parts.size() > 1) send(m_ofSolve, inflow.ofSolve, fill(m_ofSolve));
     // Without further ordinates the solve's own last sweep is this one.
     const bool swept = solved && m_parts.size() == 1;
     if (swept) keep(m_ordinates, m_solver.radiance(), kept, lobes);
-    for (std::size_t part = 0; !swept && part < m_parts.size(); ++part) {
-        std::vector<Real>& rows = m_solver.clearedSource();
-        if (addSource) addSource(m_parts[part], rows);
-        if (solved) addScattered(false, colour, m_solver.radiance(), m_parts[part], rows);
-        sweep(part, colour, inflow, rows);
+    for (std::size_t part = 0; (!swept || send) && part < m_parts.size(); ++part) {
+        const Inflow* enters = part < inflow.ofParts.size() ? &inflow.ofParts[part] : nullptr;
+        std::vector<Real>& rows = fill(m_parts[part]);
+        if (send) send(m_parts[part], enters ? *enters : Inflow(), rows);
+        if (swept) continue;
+        sweep(part, colour, enters, rows);
         keep(m_parts[part], rows, kept, lobes);
     }
     for (std::size_t k = 0; k < lobes.size(); ++k)

@@ -24,6 +24,10 @@ namespace scrim {
 /// (a solve with 128: 0.3 to 0.8 %); 128 with 256 in the last sweep by 0.1 to 0.5 % (with 256: the same).
 int solvedOrdinates(int ordinates);
 
+/// Media as they are with phase functions split as those of `to`, not as those of `from`.
+CellMedia splitAgain(const CellMedia& media, const std::vector<ScatterClass>& from,
+                     const std::vector<ScatterClass>& to);
+
 class LastSweep {
   public:
     /// What is kept of radiance: what `eye` sees of it after one more scattering. If that is null, it is the mean over
@@ -42,13 +46,21 @@ class LastSweep {
     const std::vector<ScatterClass>& classes() const { return m_classes; }
     const CellMedia& media() const { return m_split.extinction.empty() ? m_solved : m_split; }
 
+    /// What enters each part of the sweep, of the same radiance everywhere along each of ordinates(); empty: nothing.
+    std::vector<Inflow> divided(const std::vector<Real>& inflow) const;
+
+    /// Adds light to a source along ordinates.
+    using Source = std::function<void(const Ordinates&, std::vector<Real>&)>;
+    /// Is told what all cells send along ordinates, radiance per world unit, and what enters along these.
+    using Send = std::function<void(const Ordinates&, const Inflow&, const std::vector<Real>&)>;
     /// What is kept for each class, and then of the flux along x, y and z: [kept][row of the solver], radiance per unit
     /// of scattering coefficient; it may be below zero. It is the sum of three parts of the light of colour `colour`:
-    /// - `inflow`: the radiance that comes in from outside along each of ordinates(); empty: none.
+    /// - `inflow`: what comes in from outside.
     /// - `solved`: the light that scatters as the last solve found it; that must have been for the same light.
-    /// - `addSource`: adds light to a source along the ordinates that it is called with; null: none.
-    std::vector<std::vector<Real>> pass(std::size_t colour, const std::vector<Real>& inflow, bool solved,
-                                        const std::function<void(const Ordinates&, std::vector<Real>&)>& addSource);
+    /// - `addSource`: adds light along the ordinates that it is called with; null: none.
+    /// `send`: is called for the ordinates of the solve, if these are others, and then for those of each part.
+    std::vector<std::vector<Real>> pass(std::size_t colour, const PassInflow& inflow, bool solved,
+                                        const Source& addSource, const Send& send = {});
 
     /// Adds to a source along `along` what classes that scatter once, or the others, send on of `radiance`, the result
     /// of a solve.
@@ -63,7 +75,7 @@ class LastSweep {
     std::uint64_t cellDirections() const { return m_cellDirections; }
 
   private:
-    void sweep(std::size_t part, std::size_t colour, const std::vector<Real>& inflow, std::vector<Real>& rows);
+    void sweep(std::size_t part, std::size_t colour, const Inflow* inflow, std::vector<Real>& rows);
     void keep(const Ordinates& along, const std::vector<Real>& rows, std::vector<std::vector<Real>>& kept,
               std::vector<std::vector<Real>>& lobes) const;
 

@@ -148,7 +148,7 @@ std::vector<Real>& TransportSolver::clearedSource() {
 
 // next = G(x): sweeps what cells emit, and scatters the result. The last time it is not scattered, and negative values
 // are removed.
-void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
+void TransportSolver::sweep(Level& level, const Inflow* inflow, bool last) {
     if (m_settings.checkpoint) m_settings.checkpoint();
     const std::size_t values = valuesPerRow();
     parallelChunks(level.rowCount, [&](std::size_t begin, std::size_t end) {
@@ -261,7 +261,7 @@ void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const 
 }
 
 // Finds an initial x with the coarser cells.
-void TransportSolver::start(std::size_t level, const Real* inflow) {
+void TransportSolver::start(std::size_t level, const Inflow* inflow) {
     Level& here = m_levels[level];
     if (level + 1 == m_levels.size()) return std::fill(here.x.begin(), here.x.end(), Real(0));
     Level& coarse = m_levels[level + 1];
@@ -310,7 +310,7 @@ AndersonMixing TransportSolver::mixing(std::size_t level) const {
 
 // Reduces the residual of coarser cells to a part of what it is at first. (Its ratio to x says little: x may grow
 // long.)
-void TransportSolver::reduce(std::size_t level, const Real* inflow, int mostSweeps) {
+void TransportSolver::reduce(std::size_t level, const Inflow* inflow, int mostSweeps) {
     Level& here = m_levels[level];
     AndersonMixing anderson = mixing(level);
     if (level + 1 == m_levels.size()) mostSweeps = std::max(mostSweeps, kCoarsestSweeps);
@@ -329,7 +329,7 @@ void TransportSolver::reduce(std::size_t level, const Real* inflow, int mostSwee
 // Iterates on the finest cells until the error of x is estimated to be at most the tolerance; returns that estimate.
 // `ahead`: if given, iteration ends when the next sweep is expected to show that, and it becomes false if iteration
 // ended for another reason.
-double TransportSolver::iterate(const Real* inflow, bool* ahead) {
+double TransportSolver::iterate(const Inflow* inflow, bool* ahead) {
     Level& here = m_levels.front();
     AndersonMixing anderson = mixing(0);
     double error = 0, before = 0, least = HUGE_VAL;
@@ -355,11 +355,11 @@ double TransportSolver::iterate(const Real* inflow, bool* ahead) {
     return error;
 }
 
-Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflow) {
+Solved TransportSolver::solve(std::size_t colour, const Inflow& inflow) {
     m_solved = {};
     m_gain = 1;
     for (Level& level : m_levels) chooseColour(level, colour);
-    const Real* from = inflow.empty() ? nullptr : inflow.data();
+    const Inflow* from = inflow.any() ? &inflow : nullptr;
     if (from && m_border.empty()) m_border = openBorder(m_levels.front().cells().grid, m_settings.ordinates);
     start(0, from);
     // The sweep whose result is visible also shows what remained to be done, unless much of it is below zero.

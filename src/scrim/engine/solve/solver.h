@@ -70,10 +70,10 @@ class TransportSolver {
     /// a mean over the face. The caller adds to it.
     std::vector<Real>& clearedSource();
     std::vector<Real>& source();
-    /// Solves for colour `colour` of the media. `inflow`: radiance along each ordinate from outside of all volumes;
-    /// empty: none. Afterwards `radiance()` holds, for each row, the radiance along each ordinate, or its mean over all
-    /// directions; never below 0.
-    Solved solve(std::size_t colour, const std::vector<Real>& inflow);
+    /// Solves for colour `colour` of the media. `inflow`: what enters from outside of all cells. Afterwards
+    /// `radiance()` holds, for each row, the radiance along each ordinate, or its mean over all directions; never below
+    /// 0.
+    Solved solve(std::size_t colour, const Inflow& inflow);
     const std::vector<Real>& radiance() const;
 
     /// Peak memory so far.
@@ -90,17 +90,17 @@ class TransportSolver {
 
     void numberRows(Level& level) const;
     void chooseColour(Level& level, std::size_t colour) const;
-    void sweep(Level& level, const Real* inflow, bool last);
+    void sweep(Level& level, const Inflow* inflow, bool last);
     void scatter(Level& level) const;
     double dot(const Real* a, const Real* b) const;
     double product(const Level& level, const std::vector<Real>& a, const std::vector<Real>& b) const;
     double lightOf(const Level& level, const std::vector<Real>& values, const std::vector<Real>* minus = nullptr) const;
     double relative(const Level& level, double light) const;
-    void start(std::size_t level, const Real* inflow);
+    void start(std::size_t level, const Inflow* inflow);
     AndersonMixing mixing(std::size_t level) const;
     double improve(std::size_t level, double residual, AndersonMixing& anderson);
-    void reduce(std::size_t level, const Real* inflow, int mostSweeps);
-    double iterate(const Real* inflow, bool* ahead);
+    void reduce(std::size_t level, const Inflow* inflow, int mostSweeps);
+    double iterate(const Inflow* inflow, bool* ahead);
     void restrict(const Level& fine, Level& coarse, bool residual) const;
     void prolong(const Level& coarse, Level& fine, bool add) const;
 

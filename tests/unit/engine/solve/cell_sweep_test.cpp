@@ -21,13 +21,14 @@ namespace {
 struct Box {
     CellGrid grid{1, {{Vec3(0.1), Vec3(15.9)}}};  // 2^3 blocks
     Ordinates set = ordinates(64);
-    std::vector<Real> extinction, inflow;
+    std::vector<Real> extinction;
+    Inflow inflow;
 
     explicit Box(double sigma, double enters) : extinction(grid.cells(), Real(sigma)) {
-        inflow.assign(std::size_t(set.count()), Real(enters));
+        inflow.even.assign(std::size_t(set.count()), Real(enters));
     }
     CellSweep sweep(bool notBelowZero = false) const {
-        return {&grid, &set, extinction.data(), inflow.data(), notBelowZero, {}};
+        return {&grid, &set, extinction.data(), &inflow, notBelowZero, {}};
     }
 };
 
