@@ -28,9 +28,10 @@ struct Level {
 
 class LevelSweep {
   public:
-    LevelSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
-               const std::vector<CellLight>& cellLight, PixelTiles& tiles, const std::function<void(double)>& progress)
-        : m_group(group), m_tiles(tiles), m_progress(progress) {
+    LevelSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
+               const std::vector<CellLight>& cellLight, const SweptRays& rays,
+               const std::function<void(double)>& progress)
+        : m_group(group), m_tiles(rays.tiles), m_progress(progress) {
         group.forLevels([&](const GroupPlan& level) { m_levels.emplace_back(scene, plan, level); });
         const auto cutoff = static_cast<Real>(scene.dials.opacityCutoff);
         for (std::size_t i = 0; i < m_levels.size(); ++i) {
@@ -43,9 +44,11 @@ class LevelSweep {
                 for (std::size_t v = 0; v < finer.size(); ++v)
                     finer[v] = finer[v] || (o > i && m_levels[o].sheets.group.volumes[v]);
             }
-            if (i + 1 < m_levels.size()) level.finer.emplace(scene, level.sheets.group, finer, level.eye, tiles);
+            if (i + 1 < m_levels.size()) level.finer.emplace(scene, level.sheets.group, finer, level.eye, m_tiles);
             level.shader.emplace(scene, plan, level.sheets, level.eye, cellLight, std::move(others));
-            level.compositor.emplace(level.eye, tiles, group.sameSide, cutoff, ends, nullptr, static_cast<int>(i));
+            const LevelMap map(level.sheets.group.sheets, group.sheets);
+            level.compositor.emplace(level.eye, m_tiles, group.sameSide, cutoff, rays.ends, rays.deep,
+                                     DeepRays::Level{static_cast<int>(i), map.n(0), map.sheets});
             m_work.voxelsFed += level.sheets.extinction.voxels();
         }
     }
@@ -121,10 +124,10 @@ class LevelSweep {
 
 }  // namespace
 
-RenderWork sweepLevels(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
-                       const std::vector<CellLight>& cellLight, PixelTiles& tiles,
+RenderWork sweepLevels(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
+                       const std::vector<CellLight>& cellLight, const SweptRays& rays,
                        const std::function<void(double)>& progress) {
-    return LevelSweep(scene, plan, group, ends, cellLight, tiles, progress).run();
+    return LevelSweep(scene, plan, group, cellLight, rays, progress).run();
 }
 
 }  // namespace scrim

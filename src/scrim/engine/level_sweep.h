@@ -4,6 +4,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/engine/composite/deep_rays.h>
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
@@ -15,10 +16,17 @@
 
 namespace scrim {
 
-/// Adds the result of the sweep of `group`, which has finer levels, to `tiles`. `ends`: objects that hide parts of
-/// rays; null: none. `progress` is called with the part that is done. Returns the work, with the bytes of the buffers.
-RenderWork sweepLevels(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
-                       const std::vector<CellLight>& cellLight, PixelTiles& tiles,
+/// The rays of a sweep.
+struct SweptRays {
+    PixelTiles& tiles;    ///< to which the result is added
+    const EyeEnds* ends;  ///< objects that hide parts of rays; null: none
+    DeepRays* deep;       ///< records the samples of every ray; may be null
+};
+
+/// Sweeps `group`, which has finer levels. `progress` is called with the part that is done. Returns the work, with the
+/// bytes of the buffers.
+RenderWork sweepLevels(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
+                       const std::vector<CellLight>& cellLight, const SweptRays& rays,
                        const std::function<void(double)>& progress);
 
 }  // namespace scrim

@@ -166,14 +166,17 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
 
 // The sweep of a group whose volumes have sheets of several levels.
 Swept sweepOfLevels(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
-                    const std::vector<CellLight>& cellLight,
+                    const std::vector<CellLight>& cellLight, std::size_t mostDeepBytes,
                     const std::function<void(double, const PixelTiles&)>& progress) {
     Stopwatch watch;
     const OutputLayout& layout = group.outputs.layout;
-    const PixelWindow window = supersampled(plan.eyeParts[group.eyePart].window, scene.dials.antialias);
+    const int n = scene.dials.antialias;
+    const PixelWindow window = supersampled(plan.eyeParts[group.eyePart].window, n);
     Swept swept{PixelTiles(window, layout, layout.depth.has_value()), {}, {}, {}};
-    swept.work = sweepLevels(scene, plan, group, ends, cellLight, swept.tiles,
+    const auto deep = deepRays(scene, group, swept.tiles, mostDeepBytes);
+    swept.work = sweepLevels(scene, plan, group, cellLight, {swept.tiles, ends, deep.get()},
                              [&](double done) { progress(done, swept.tiles); });
+    if (deep) keepDeep(*deep, EyeView(supersampled(scene.camera, n), group.sheets, plan.simd), n, swept);
     swept.times.composite = watch.lap();
     return swept;
 }
@@ -246,7 +249,7 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
         };
         Swept swept = group.finer.empty()
                           ? sweep(scene, plan, group, ends.get(), cellLight, deepBytesLeft(plan, deep), goesOn)
-                          : sweepOfLevels(scene, plan, group, ends.get(), cellLight, goesOn);
+                          : sweepOfLevels(scene, plan, group, ends.get(), cellLight, deepBytesLeft(plan, deep), goesOn);
         resolve(scene, plan, plan.groups[g], swept.tiles, frame);
         frame.work += swept.work;
         frame.times += swept.times;

@@ -2,6 +2,7 @@
 // Volumes of unlike voxels, which have sheets of their own: what eye and light pass is the sum of all of them.
 #include "soft_lights.h"
 #include "support/fields.h"
+#include "support/meshes.h"
 #include "support/verified.h"
 
 #include <scrim/engine/plan/levels.h>
@@ -15,6 +16,7 @@
 #include <cmath>
 #include <vector>
 
+#include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 
 namespace scrim::test {
@@ -196,6 +198,67 @@ TEST(Levels, SumTheWorkOfTheirParts) {
     const auto samples = [](const ViewScene& s) { return double(renderScene(s).work.shade.samples); };
     // Where the ball is seen, pixels walk its sheets through those of the haze that it is in.
     EXPECT_LT(samples(scene), 4 * (samples(haze) + samples(ball)));
+}
+
+// A solid in the haze, whose shadow runs over the ball.
+TEST(Levels, AgreeWithBruteForceInShadowsOfSolids) {
+    ViewScene scene = ballInHaze(0.1);
+    scene.solids = oneSolid(ballMesh({1.6, 0.6, 1}, 0.4, 32));
+    EXPECT_EQ(levelsOf(scene), 2u);
+    EXPECT_LT(errorOf(scene, 60), 0.015);
+}
+
+// Surfaces are in the finest level, and the haze before them and in their light in another one.
+TEST(Levels, AgreeWithBruteForceForAScanInHaze) {
+    ViewScene scene = ballInHaze(0.1);
+    Classified look;
+    look.transfer = {{0.2, Rgb(0.8), 0}, {0.6, Rgb(0.8), 6}};
+    scene.volumes[1].classified = std::make_shared<const Classified>(look);
+    EXPECT_EQ(levelsOf(scene), 2u);
+    EXPECT_LT(errorOf(scene, 60), 0.03);
+}
+
+// All volumes in sheets of the same voxels.
+ViewScene onOneLattice(ViewScene scene) {
+    scene.dials.splat = SplatMode::perView;
+    return scene;
+}
+
+TEST(Levels, HaveDeepCurvesInWhichBothAreWhereTheyAre) {
+    ViewScene scene = ballInHaze(0.1);
+    scene.deep = ViewDeep{1e-4};
+    ASSERT_EQ(levelsOf(scene), 2u);
+    ASSERT_EQ(levelsOf(onOneLattice(scene)), 1u);
+    const Frame frame = renderScene(scene), lattice = renderScene(onOneLattice(scene));
+    // A sheet of the haze hides a tenth, and its samples are no finer; the ball hides that in a twentieth of a sheet.
+    constexpr double kPart = 0.02;
+    for (int y = 0; y < 48; y += 3)
+        for (int x = 0; x < 48; x += 3) {
+            const auto curve = frame.deep->curve(x, y), truth = lattice.deep->curve(x, y);
+            EXPECT_NEAR(shownBefore(curve, 1e9)[3], pixelOf(frame, x, y)[3], 1e-5);
+            for (double depth = 6; depth < 26; depth += 0.5)
+                for (std::size_t c = 0; c < 4; ++c)
+                    EXPECT_NEAR(shownBefore(curve, depth)[c], shownBefore(truth, depth)[c], kPart)
+                        << x << ", " << y << " to " << depth << ", channel " << c;
+        }
+}
+
+TEST(Levels, MoveEachVolumeByItsOwnMotion) {
+    ViewScene scene = ballInHaze(0.1);
+    scene.layers = {Layer::motion};
+    for (std::size_t v = 0; v < 2; ++v) {
+        VolumeMotion motion;
+        motion.wsNextFromWs = glm::translate(Mat4(1.0), Vec3(v == 0 ? 0.1 : -0.3, 0, 0));
+        scene.volumes[v].motion = std::make_shared<const VolumeMotion>(motion);
+    }
+    ASSERT_EQ(levelsOf(scene), 2u);
+    const Frame frame = renderScene(scene), lattice = renderScene(onOneLattice(scene));
+    double most = 0;
+    for (std::size_t i = 0; i < frame.layers.front().data.size(); ++i) {
+        EXPECT_NEAR(frame.layers.front().data[i], lattice.layers.front().data[i], 0.05);
+        most = std::max(most, std::abs(double(lattice.layers.front().data[i])));
+    }
+    EXPECT_GT(most, 0.5);
 }
 
 }  // namespace

@@ -170,7 +170,7 @@ void Compositor::holdOut(int tile, const TileWalk& walk, const Real* part, const
 
 // The pixels of a tile that receive nothing of the walk's block; null: back to front, all do.
 const std::uint8_t* Compositor::closedIn(int tile, const TileWalk& walk) {
-    const int block = walk.block / kBlock * kMostLevels + m_level;
+    const int block = walk.block / kBlock * kMostLevels + m_level.number;
     return m_frontToBack ? m_tiles.closed(tile, block, m_cutoff) : nullptr;
 }
 
@@ -212,7 +212,7 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
                             m_eye.simd());
                 holdOut(tile, walk, part, at, samples);
                 const SheetSamples cut{samples, part, at, layout, m_eye.simd(), closed};
-                if (m_deep) m_deep->add(tile, walk.block + step, cut, static_cast<Real>(step));
+                if (m_deep) m_deep->add(tile, m_level, walk.block + step, cut, static_cast<Real>(step));
                 compositeSamples(walk.rays, cut, m_frontToBack, states, first);
                 walked += kTileSize;
             }
@@ -234,7 +234,7 @@ void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheet
         samplePlane(walk.rays, at, {sheets.planes[s], sheets.width, sheets.height, sheets.layout}, samples,
                     sheets.simd);
         const SheetSamples whole{samples, nullptr, nullptr, sheets.layout, sheets.simd, sheets.closed};
-        m_deep->add(tile, walk.block + static_cast<int>(sheets.steps[s]), whole, 0);
+        m_deep->add(tile, m_level, walk.block + static_cast<int>(sheets.steps[s]), whole, 0);
     }
 }
 
@@ -284,7 +284,7 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const SheetSha
         if (!shows) continue;
         const SheetSamples shaded{samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd(), closed};
         if (shaded.part) holdOut(tile, walk, part, at, samples);
-        if (m_deep) m_deep->add(tile, walk.block + step, shaded, static_cast<Real>(step));
+        if (m_deep) m_deep->add(tile, m_level, walk.block + step, shaded, static_cast<Real>(step));
         compositeSamples(walk.rays, shaded, m_frontToBack, states, first);
     }
     return work;

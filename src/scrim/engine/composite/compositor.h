@@ -28,10 +28,10 @@ struct WalkingTiles {
 class Compositor {
   public:
     /// `ends`: objects that hide parts of rays; null: none. `deep`: also records the samples of every ray; may be null.
-    /// `level`: of the sheets, below kMostLevels.
+    /// `level`: that of the sheets; its number is below kMostLevels.
     static constexpr int kMostLevels = 32;
     Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff, const EyeEnds* ends = nullptr,
-               DeepRays* deep = nullptr, int level = 0)
+               DeepRays* deep = nullptr, const DeepRays::Level& level = {})
         : m_eye(eye),
           m_tiles(tiles),
           m_frontToBack(frontToBack),
@@ -84,7 +84,7 @@ class Compositor {
     Real m_cutoff;
     const EyeEnds* m_ends;
     DeepRays* m_deep;
-    int m_level;
+    DeepRays::Level m_level;
 };
 
 }  // namespace scrim

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -19,7 +20,7 @@ constexpr int kStage = 32;
 constexpr double kStageShare = 0.25;
 
 struct Sample {
-    float begin, end;  // in sheets from the eye's side: N front to back, else -N
+    float begin, end;  // in sheets of the first level from the eye's side: N front to back, else -N
     float rgb[3];
     float hides[3];
     std::uint32_t ray : 8;    // index within the tile
@@ -128,8 +129,8 @@ Firsts byRay(std::vector<Sample>& samples, std::size_t from, bool frontToBack) {
 
 struct DeepRays::Tile {
     std::vector<Sample> samples;
-    std::size_t done = 0;  // number of samples that are merged already
-    int stage = -1;
+    std::size_t done = 0;               // number of samples that are merged already
+    std::pair<int, int> stage{-1, -1};  // the level, and the sheet in units of kStage
 };
 
 DeepRays::DeepRays(const PixelTiles& tiles, bool frontToBack, double tolerance, std::size_t mostBytes)
@@ -150,10 +151,10 @@ void DeepRays::count(std::size_t before, std::size_t after) {
                                 bytesText(m_mostBytes)));
 }
 
-void DeepRays::add(int index, int number, const SheetSamples& from, Real step) {
+void DeepRays::add(int index, const Level& level, int number, const SheetSamples& from, Real step) {
     Tile& tile = m_tiles[std::size_t(index)];
     const std::size_t before = tile.samples.capacity();
-    if (const int stage = number / kStage; stage != tile.stage) {
+    if (const std::pair stage(level.number, number / kStage); stage != tile.stage) {
         compact(tile);
         tile.stage = stage;
     }
@@ -161,15 +162,16 @@ void DeepRays::add(int index, int number, const SheetSamples& from, Real step) {
     const int floats = layout.floats(), opacities = floats - 4;
     const int beauties = layout.beauty ? 1 : layout.quadOf(layout.beautyParts);
     const PixelWindow& region = m_pixels.region();
-    const auto sheet = static_cast<float>(number);
+    const auto sheet = static_cast<float>(level.first + number * level.thickness);
+    const auto thickness = static_cast<float>(level.thickness);
     const std::size_t samples = tile.samples.size();
     for (int k = 0; k < kTileSize; ++k) {
         if (!region.contains(m_pixels.cornerX(index) + k % kTileEdge, m_pixels.cornerY(index) + k / kTileEdge) ||
             (from.closed && from.closed[k]))
             continue;
         const Real* values = from.samples + floats * k;
-        Sample sample{m_frontToBack ? sheet : -sheet - 1,
-                      m_frontToBack ? sheet + 1 : -sheet,
+        Sample sample{m_frontToBack ? sheet : -sheet - thickness,
+                      m_frontToBack ? sheet + thickness : -sheet,
                       {},
                       {},
                       static_cast<std::uint32_t>(k),
@@ -178,8 +180,8 @@ void DeepRays::add(int index, int number, const SheetSamples& from, Real step) {
         if (from.part && from.part[k] < 1) {
             keepSeenPart(layout, from.part[k], values, seen.data());
             values = seen.data();
-            const auto middle = static_cast<float>(from.at[k] - step) + sheet + 0.5f;
-            const auto half = 0.5f * static_cast<float>(from.part[k]);
+            const auto middle = thickness * static_cast<float>(from.at[k] - step) + sheet + 0.5f * thickness;
+            const auto half = 0.5f * thickness * static_cast<float>(from.part[k]);
             sample.begin = (m_frontToBack ? middle : -middle) - half;
             sample.end = sample.begin + 2 * half;
         }

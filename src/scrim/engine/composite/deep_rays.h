@@ -27,13 +27,19 @@ class DeepRays {
     DeepRays(const PixelTiles& tiles, bool frontToBack, double tolerance, std::size_t mostBytes);
     ~DeepRays();
 
+    /// The sheets of one level of a sweep, in sheets of the first level: where sheet 0 begins, and how thick each is.
+    struct Level {
+        int number = 0;
+        double first = 0, thickness = 1;
+    };
     /// Adds the samples of sheet `sheet` to a tile; their layout is that of the tiles. The middle of a sample's visible
-    /// part lies `samples.at` - `step` behind the middle of the sheet, in sheets along N. Throws Error(memory).
-    void add(int tile, int sheet, const SheetSamples& samples, Real step);
+    /// part lies `samples.at` - `step` behind the middle of the sheet, in the level's sheets along N. Throws
+    /// Error(memory).
+    void add(int tile, const Level& level, int sheet, const SheetSamples& samples, Real step);
 
     /// Averages the n x n rays of each pixel, by depth along the viewing axis. All rays of a pixel are treated as if
     /// they crossed the sheets where the pixel's centre does, so a depth is wrong by at most half of its change across
-    /// the pixel. Removes the samples. `eye` is that of the raster.
+    /// the pixel. Removes the samples. `eye` is that of the raster, on the sheets of the first level.
     DeepImage resolve(const EyeView& eye, int n);
 
     /// Bytes of all samples.

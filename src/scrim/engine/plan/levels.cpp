@@ -4,16 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include <glm/geometric.hpp>
 
 namespace scrim {
 namespace {
 
-// Surfaces, solids' shadows, deep samples and motion are computed on one lattice.
-bool oneLattice(const ViewScene& scene) {
-    return scene.dials.splat == SplatMode::perView || anyClassified(scene) || solidsBlock(scene) || scene.deep ||
-           wants(scene, Layer::motion);
+// The octave of a volume's voxels, counted from the finest one of the scene.
+std::optional<int> octaveOf(const ViewScene& scene, std::size_t volume) {
+    const double voxel = voxelUnit(scene.volumes[volume]);
+    if (!std::isfinite(voxel)) return std::nullopt;
+    return static_cast<int>(std::floor(std::log2(voxel / voxelUnit(scene)) + 1e-9));
 }
 
 }  // namespace
@@ -25,11 +27,15 @@ std::vector<VolumeLevel> volumeLevels(const ViewScene& scene) {
     constexpr double kMostStep = 8;
     const std::vector<bool> all(scene.volumes.size(), true);
     const double finest = voxelUnit(scene);
-    if (oneLattice(scene)) return {{finest, all, all}};
+    if (scene.dials.splat == SplatMode::perView) return {{finest, all, all}};
+    // Surfaces are in the finest level: they are found along rays from sheet to sheet.
+    int surfaces = 0;
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v)
+        if (const auto octave = octaveOf(scene, v); octave && scene.volumes[v].classified)
+            surfaces = std::max(surfaces, *octave);
     std::map<int, std::vector<std::size_t>> byOctave;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v)
-        if (const double voxel = voxelUnit(scene.volumes[v]); std::isfinite(voxel))
-            byOctave[static_cast<int>(std::floor(std::log2(voxel / finest) + 1e-9))].push_back(v);
+        if (const auto octave = octaveOf(scene, v)) byOctave[*octave <= surfaces ? 0 : *octave].push_back(v);
     std::vector<VolumeLevel> levels;
     int first = 0;
     for (const auto& [octave, volumes] : byOctave) {

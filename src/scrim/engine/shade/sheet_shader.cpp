@@ -351,6 +351,7 @@ void SheetShader::addCoarserShadows(int p, const SampleTile& samples, Rows& rows
             if (shadow == nullptr) continue;
             shadow->lookUpWithin(plane, static_cast<Real>(part), u, v, kTileSize, tau);
             addTimes(1, tau, rows.tauIn[i].values);
+            if (surfacesAlone()) addTimes(1, tau, rows.tauOut[i].values);
         }
     }
 }

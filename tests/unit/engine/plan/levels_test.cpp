@@ -52,13 +52,20 @@ TEST(VolumeLevels, HaveStepsOfPowersOfTwoCoarsestFirst) {
 TEST(VolumeLevels, AreOneWhereALatticeMustBe) {
     ViewScene scene = withVoxels({0.1, 10});
     EXPECT_GT(volumeLevels(scene).size(), 1u);
+    scene.deep = ViewDeep{0.001};
+    EXPECT_GT(volumeLevels(scene).size(), 1u);
     scene.dials.splat = SplatMode::perView;
     EXPECT_EQ(volumeLevels(scene).size(), 1u);
-    scene.dials.splat = SplatMode::shared;
-    scene.deep = ViewDeep{0.001};
-    EXPECT_EQ(volumeLevels(scene).size(), 1u);
-    scene.deep.reset();
+}
+
+// Surfaces are found along rays from sheet to sheet, so nothing has finer sheets than they have.
+TEST(VolumeLevels, HaveAllSurfacesInTheFinest) {
+    ViewScene scene = withVoxels({0.1, 1, 10});
     scene.volumes[1].classified = std::make_shared<const Classified>();
+    const std::vector<VolumeLevel> levels = volumeLevels(scene);
+    EXPECT_EQ(levels.back().volumes, (std::vector<bool>{true, true, false}));
+    EXPECT_EQ(levels.back().voxel, 0.1);
+    scene.volumes[2].classified = scene.volumes[1].classified;
     EXPECT_EQ(volumeLevels(scene).size(), 1u);
 }
 
