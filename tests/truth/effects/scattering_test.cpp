@@ -242,8 +242,7 @@ TEST(MultipleScattering, ConvergesWithTheCells) {
 
 void fillSource(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                 const Ordinates& set, TransportSolver& solver) {
-    const FirstLight first(scene, planTransport(scene).targets.front(), 0, false, {media, media, classes, false},
-                           solver);
+    const FirstLight first(scene, planTransport(scene).targets.front(), 0, {media, media, classes, false}, solver);
     first.addTo(set, classes, media, {}, solver.clearedSource());
 }
 
@@ -299,8 +298,8 @@ std::vector<double> meansByLastSweep(const ViewScene& scene, int count) {
     const Ordinates set = ordinates(solvedOrdinates(count));
     TransportSolver solver(media, classes, {set, 1e-3, 60, {}, {}});
     LastSweep last(scene, media, classes, count, {}, solver, {});
-    const FirstLight first(scene, planTransport(scene).targets.front(), 0, false,
-                           {media, last.media(), last.classes(), true}, solver);
+    const FirstLight first(scene, planTransport(scene).targets.front(), 0, {media, last.media(), last.classes(), true},
+                           solver);
     first.addTo(set, classes, media, {}, solver.clearedSource());
     EXPECT_TRUE(solver.solve(0, {}).converged);
     const auto kept = last.pass(0, {}, true, [&](const Ordinates& along, std::vector<Real>& source) {

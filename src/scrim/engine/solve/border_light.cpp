@@ -125,6 +125,46 @@ Depths Around::beyond(const CellGrid& grid, bool ofLast, const Vec3& ws, const V
     return out;
 }
 
+namespace {
+
+constexpr int kNodes = 3;  // along a block's edge
+
+}  // namespace
+
+DepthsBeyond::DepthsBeyond(const Around& around, const CellGrid& grid, bool ofLast,
+                           const std::function<std::pair<Vec3, double>(const Vec3& ws)>& toLight)
+    : m_nodes(grid.storedBlocks().size() * kNodes * kNodes * kNodes) {
+    parallelFor(grid.storedBlocks().size(), [&](std::size_t block) {
+        for (int i = 0; i < kNodes * kNodes * kNodes; ++i) {
+            const Vec3 part = Vec3(i % kNodes, i / kNodes % kNodes, i / (kNodes * kNodes)) / (kNodes - 1.0);
+            const Vec3 ws = grid.wsFromCs((Vec3(grid.storedBlocks()[block]) + part) * double(kCellEdge));
+            const auto [direction, distance] = toLight(ws);
+            m_nodes[block * kNodes * kNodes * kNodes + std::size_t(i)] =
+                around.beyond(grid, ofLast, ws, direction, distance);
+        }
+    });
+}
+
+Depths DepthsBeyond::at(std::size_t cell) const {
+    const auto inBlock = static_cast<int>(cell % kBlockCells);
+    const Vec3 at =
+        (Vec3(inBlock % kCellEdge, inBlock / kCellEdge % kCellEdge, inBlock / (kCellEdge * kCellEdge)) + 0.5) *
+        ((kNodes - 1.0) / kCellEdge);
+    const Int3 low = glm::min(Int3(at), Int3(kNodes - 2));
+    const Vec3 part = at - Vec3(low);
+    const Depths* nodes = m_nodes.data() + cell / kBlockCells * kNodes * kNodes * kNodes;
+    Depths out;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Int3 up(corner & 1, corner >> 1 & 1, corner >> 2), node = low + up;
+        const Vec3 weights = glm::mix(1.0 - part, part, Vec3(up));
+        const double weight = weights.x * weights.y * weights.z;
+        const Depths& own = nodes[(node.z * kNodes + node.y) * kNodes + node.x];
+        out.tau += weight * own.tau;
+        out.straight += weight * own.straight;
+    }
+    return out;
+}
+
 Inflow inflowFrom(const SentLight& light, const CellGrid& smaller, const Ordinates& ordinates) {
     Inflow out;
     const Bounds box = wsBoxOf(smaller), around = wsBoxOf(light.media.grid);

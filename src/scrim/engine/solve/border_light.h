@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace scrim {
@@ -59,6 +60,19 @@ struct Around {
 
     /// What a ray passes that leaves `grid`, whose cells all this surrounds: from there on, up to `distance` from `ws`.
     Depths beyond(const CellGrid& grid, bool ofLast, const Vec3& ws, const Vec3& direction, double distance) const;
+};
+
+/// Around::beyond on the way to one light, from all cells of a grid: interpolated between nodes, since what lies around
+/// differs from one larger cell to the next.
+class DepthsBeyond {
+  public:
+    /// `toLight`: the direction to the light (unit) and its distance from a point.
+    DepthsBeyond(const Around& around, const CellGrid& grid, bool ofLast,
+                 const std::function<std::pair<Vec3, double>(const Vec3& ws)>& toLight);
+    Depths at(std::size_t cell) const;
+
+  private:
+    std::vector<Depths> m_nodes;  // for each block those of its corners, and half-way between them
 };
 
 /// What larger cells send along ordinates.

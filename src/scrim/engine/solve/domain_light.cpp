@@ -170,18 +170,15 @@ void DomainLight::solvePart(const Settings& settings, const CellMedia& media, Pa
     const Ordinates& directions = passes.directions;
     const auto colour = std::size_t(axisOfLargest(colours));
     const bool someOnce = std::ranges::any_of(classes, &ScatterClass::once);
-    const auto light = [&](bool ofOnce) {
-        const Around* around = passes.border ? &passes.border->around : nullptr;
-        return FirstLight(scene, target, int(colour), ofOnce,
-                          {media, last.media(), last.classes(), !passes.eye, around}, solver);
-    };
+    const Around* around = passes.border ? &passes.border->around : nullptr;
     const auto keepIn = [&](const std::vector<std::shared_ptr<CellField>>& fields, int which, const auto& own,
                             const auto& straight, double factor) {
         keep(last.classes(), solver, own, straight, which, factor * colours, &fields[t * m_classes]);
     };
     const std::vector<std::vector<Real>> none;
     const bool skies = !inflowOf(scene, target, directions, int(colour)).empty();
-    const FirstLight first = light(false);
+    const FirstLight first(scene, target, int(colour), {media, last.media(), last.classes(), !passes.eye, around},
+                           solver);
     first.addTo(directions, classes, media, simd, solver.clearedSource());
     const PassInflow enters = passes.next(target, int(colour), true);
     m_solved += solver.solve(colour, enters.ofSolve);
@@ -201,7 +198,7 @@ void DomainLight::solvePart(const Settings& settings, const CellMedia& media, Pa
         keepIn(m_fields, once, unscattered, none, -1);  // they see it as a medium that scatters once does
     }
     if (!someOnce) return;
-    const FirstLight again = light(true);
+    const FirstLight again = first.ofOnce();
     again.addTo(directions, classes, media, simd, solver.clearedSource());
     last.addScattered(true, colour, before, directions, solver.source());
     const PassInflow further = passes.next(target, int(colour), false);

@@ -8,9 +8,11 @@
 #include <scrim/scene/light_at.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -74,9 +76,9 @@ class FirstCollisions {
 
     const ViewScene& m_scene;
     const CellMedia &m_media, &m_last;
-    const Around* m_around;
     const Light& m_light;
     LightAt m_unattenuated;
+    std::array<std::optional<DepthsBeyond>, 2> m_beyond;  // of the solve's media, and of those of its last sweep
     std::vector<Real> m_lit;  // the part of each cell that is not in a solid's shadow; empty: no solid casts one
 };
 
@@ -86,10 +88,16 @@ FirstCollisions::FirstCollisions(const ViewScene& scene, const CellMedia& media,
     : m_scene(scene),
       m_media(media),
       m_last(last),
-      m_around(around),
       m_light(light),
       m_unattenuated(light, kNearest * media.grid.edge()) {
     if (light.shadows && media.grid.hasWalls()) findShadows();
+    const auto toLight = [&](const Vec3& ws) {
+        const Arriving arriving = m_unattenuated.at(ws);
+        return std::pair(-arriving.travel, arriving.distance);
+    };
+    for (const bool ofLast : {false, true})
+        if (around && light.shadows && (!ofLast || &last != &media))
+            m_beyond[ofLast ? 1 : 0].emplace(*around, media.grid, ofLast, toLight);
 }
 
 // True if no solid stands between a point and the light.
@@ -144,7 +152,7 @@ ArrivingInCell FirstCollisions::at(std::size_t cell) const {
     const double chord = m_media.grid.edge() / (std::abs(toLight.x) + std::abs(toLight.y) + std::abs(toLight.z));
     const auto attenuate = [&](const CellMedia& media, Rgb& irradiance) {
         Depths depths = bundleDepths(media, ws, toLight, out.distance);
-        if (m_around) depths += m_around->beyond(media.grid, &media != &m_media, ws, toLight, out.distance);
+        if (const std::size_t of = &media == &m_media ? 0 : 1; m_beyond[of]) depths += m_beyond[of]->at(cell);
         for (int c = 0; c < 3; ++c)
             irradiance[c] *= std::exp(-depths.tau[c]) * meanOverCell(chord * media.extinctionOf(std::size_t(c))[cell]);
         return depths.straight;
@@ -302,12 +310,12 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
     return {radiance.begin(), radiance.end()};
 }
 
-FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, bool once, const Cells& cells,
+FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, const Cells& cells,
                        const TransportSolver& solver)
-    : m_colour(colour), m_once(once), m_emission(target.emission && !once), m_solver(solver) {
-    if (!cells.last.straight.empty() && !once)
+    : m_colour(colour), m_emission(target.emission), m_solver(solver) {
+    if (!cells.last.straight.empty())
         m_straight.assign(cells.moments ? 4 : cells.classes.size(), std::vector<Real>(solver.rows(), Real(0)));
-    if (!once) m_onSides.assign(cells.media.grid.sides(), Real(0));
+    m_onSides.assign(cells.media.grid.sides(), Real(0));
     for (const int owner : target.lights) {
         const Light& whole = scene.lights[std::size_t(owner)];
         for (const Light& point : pointsOf(scene, whole)) {
@@ -342,6 +350,15 @@ FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int 
             });
         }
     }
+}
+
+FirstLight FirstLight::ofOnce() const {
+    FirstLight out = *this;
+    out.m_once = true;
+    out.m_emission = false;
+    out.m_straight.clear();
+    out.m_onSides.clear();
+    return out;
 }
 
 std::size_t FirstLight::points(const ViewScene& scene, const ScatterTarget& target) {

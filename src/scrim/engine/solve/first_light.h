@@ -34,10 +34,11 @@ class FirstLight {
         bool moments;                              ///< what the last sweep keeps: see straight()
         const Around* around = nullptr;            ///< what lies around the cells; null: nothing
     };
-    /// With `once` it is the light that classes which scatter once send on, and no emission. `solver` must outlive this
-    /// object.
-    FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, bool once, const Cells& cells,
+    /// `solver` must outlive this object.
+    FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, const Cells& cells,
                const TransportSolver& solver);
+    /// The same light where classes that scatter once send it on, without emission.
+    FirstLight ofOnce() const;
 
     /// Adds it to a source as TransportSolver::source has it, along ordinates. `classes` and `media` belong to these.
     void addTo(const Ordinates& along, const std::vector<ScatterClass>& classes, const CellMedia& media, Simd simd,
@@ -62,7 +63,7 @@ class FirstLight {
                      std::size_t row);
 
     int m_colour;
-    bool m_once, m_emission;
+    bool m_once = false, m_emission;
     const TransportSolver& m_solver;
     std::vector<std::pair<std::size_t, Light>> m_points;  // indices of lights in the scene, and points of them
     std::vector<std::vector<Real>> m_irradiance;          // [point][row], as the solve's media attenuate it
