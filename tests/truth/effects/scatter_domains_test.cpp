@@ -134,6 +134,24 @@ TEST(ScatterDomains, DoNotShadeThemselvesThroughTheCellsAround) {
     }
 }
 
+// Cubes that only absorb leave the sun's light the same but for its power, through all borders on its way.
+TEST(ScatterDomains, AreDarkenedByAllThatLiesAround) {
+    ViewScene scene = cubes(kNested, 0.9, 0);
+    scene.lights = {distantLight({0, -1, 0})};
+    scene.volumes[0].medium.albedo = scene.volumes[1].medium.albedo = Rgb(0);
+    ASSERT_EQ(planTransport(scene).domains[2].parent, 1);
+    const Solution inside = solve(scene, planTransport(scene));
+    ViewScene alone = scene;
+    alone.volumes.erase(alone.volumes.begin(), alone.volumes.begin() + 2);
+    const Solution truth = solve(alone, planTransport(alone));
+    double depth = 0;  // to the middle of the smallest
+    for (std::size_t v = 0; v < 2; ++v)
+        depth += kNested[v].sigma * (placeIn(kNested[v], Vec3(1)).y - kNested[2].center.y);
+    ASSERT_GT(depth, 1);
+    const double light = std::exp(-depth) * seenAt(truth, 0, placeIn(kNested[2], Vec3(0)));
+    EXPECT_NEAR(seenAt(inside, 2, placeIn(kNested[2], Vec3(0))), light, 0.04 * light);
+}
+
 TEST(ScatterDomains, TakeTheWorkOfTheirParts) {
     const auto work = [](const ViewScene& scene) {
         return double(solve(scene, planTransport(scene)).solved.cellDirections);
@@ -148,9 +166,29 @@ TEST(ScatterDomains, TakeTheWorkOfTheirParts) {
     EXPECT_LT(work(lit(kNested)), 2 * parts);
 }
 
+// Instances are splatted together if they look alike, but not if they find their light in different cells.
+TEST(ScatterDomains, LightEachInstanceInItsOwnCells) {
+    ViewScene scene = cubes({{0.05, 2, 8, {-20, 0, 0}}, {0.4, 0.4, 10, {25, 0, 0}}}, 0.9, 0);
+    scene.lights = {distantLight({-0.2, -1, -0.4})};
+    for (ViewVolume& volume : scene.volumes) volume.medium.densityScale = 0.2;
+    ASSERT_EQ(planTransport(scene).domains.size(), 2u);
+    const Image alike = renderScene(scene).image;
+    scene.volumes[1].medium.albedo = Rgb(0.9 - 1e-7);
+    const Image unlike = renderScene(scene).image;
+    for (std::size_t i = 0; i < alike.rgba.size(); ++i) ASSERT_NEAR(alike.rgba[i], unlike.rgba[i], 1e-5);
+    ViewScene dark = scene;
+    for (ViewVolume& volume : dark.volumes) volume.medium.scattering = Scattering::single;
+    const auto sum = [](const Image& image) {
+        double all = 0;
+        for (std::size_t i = 0; i < image.rgba.size(); i += 4) all += double(image.rgba[i]);
+        return all;
+    };
+    EXPECT_GT(sum(alike), 1.2 * sum(renderScene(dark).image));
+}
+
 TEST(ScatterDomains, AreForVoxelsOfLikeSizeThatLieTogether) {
     const auto domains = [](const std::vector<Cube>& all) { return scatterDomains(cubes(all, 1, 0), 2); };
-    EXPECT_EQ(domains({{1, 1, 5, Vec3(0)}, {1, 2.5, 5, Vec3(40)}}).size(), 1u);
+    EXPECT_EQ(domains({{1, 1, 5, Vec3(0)}, {1, 1.9, 5, Vec3(40)}}).size(), 1u);
     const std::vector<ScatterDomain> nested = domains(kNested);
     ASSERT_EQ(nested.size(), 3u);
     EXPECT_EQ(nested[1].parent, 0);

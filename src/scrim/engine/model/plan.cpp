@@ -155,6 +155,11 @@ double CellLightPlan::coarser() const {
     return most;
 }
 
+bool Plan::onSameCells(std::size_t first, std::size_t second) const {
+    const auto alike = [&](const auto& part) { return part.volumes[first] == part.volumes[second]; };
+    return std::ranges::all_of(transport.domains, alike) && std::ranges::all_of(cellLights.levels, alike);
+}
+
 std::vector<int> Plan::lightsOnCells() const {
     std::vector<int> all = transport.lights();
     all.insert(all.end(), cellLights.lights.begin(), cellLights.lights.end());

@@ -303,6 +303,8 @@ struct Plan {
     ExtinctionChannels extinction;
     /// The lights of the scene that light from cells belongs to.
     std::vector<int> lightsOnCells() const;
+    /// True if the same cells keep the light of two volumes of the scene.
+    bool onSameCells(std::size_t first, std::size_t second) const;
     /// For each volume the means of its phase function over what sub-lights stand for; null: none is wider than lobes.
     std::vector<std::shared_ptr<const PhaseOverCaps>> caps;
     bool perView = false;  ///< footprints are splatted into each view's own sheets instead of shared ones

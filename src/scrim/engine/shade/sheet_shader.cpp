@@ -190,9 +190,21 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
             if (own == rows.surfaces.end()) continue;
             part.surface = static_cast<int>(own - rows.surfaces.begin());
         }
+        // Of several media each is looked up only where it is.
+        Row there;
+        const bool apart = part.surface < 0 && m_media.size() > 1;
+        if (apart) {
+            const Real* extinction = rows.medium[std::size_t(part.medium)].values;
+            Real most = 0;
+            for (int k = 0; k < kTileSize; ++k) {
+                most = std::max(most, extinction[k]);
+                there.values[k] = extinction[k] > 0 ? medium.values[k] : Real(0);
+            }
+            if (!(most > 0)) continue;
+        }
         Row* const own = rows.onCells.data() + 3 * i;
         Real* const rgb[3] = {own[0].values, own[1].values, own[2].values};
-        m_scatteredFields[i]->lookUp(plane, samples, medium.values, rgb,
+        m_scatteredFields[i]->lookUp(plane, samples, apart ? there.values : medium.values, rgb,
                                      part.as == ShownAs::scattered ? nullptr : nearer.values);
         std::copy(rgb, rgb + 3, part.radiance);
         rows.scattered.push_back(part);
@@ -225,7 +237,8 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
         const bool grid = volume.scatter[0] != nullptr;
         if (grid)
             for (int c = 0; c < 3; ++c) read(seen.level, *volume.scatter[c], rows.scatter[3 * i + c].values);
-        if (!m_surfaces.empty() || m_holdouts || !(grid || m_alone) || m_motion || m_opacities)
+        const bool looked = m_media.size() > 1 && !m_scatteredParts.empty();
+        if (!m_surfaces.empty() || m_holdouts || looked || !(grid || m_alone) || m_motion || m_opacities)
             read(seen.level, volume.extinction(), rows.medium[i].values);
         for (int c = 0; volume.flow[0] && c < 3; ++c) read(seen.level, *volume.flow[c], rows.flow[3 * i + c].values);
     }

@@ -117,7 +117,7 @@ Bounds wsBoxOf(const CellGrid& grid) {
 Depths Around::beyond(const CellGrid& grid, bool ofLast, const Vec3& ws, const Vec3& direction, double distance) const {
     const double leaves = wsBoxOf(grid).clip(ws, direction, 0, distance).second;
     if (!(leaves < distance)) return {};
-    const CellMedia& larger = ofLast ? last : media;
+    const CellMedia& larger = ofLast ? last() : media;
     const Vec3 from = ws + std::max(leaves, 0.0) * direction;
     const double left = distance - std::max(leaves, 0.0);
     Depths out = bundleDepths(larger, from, direction, left);

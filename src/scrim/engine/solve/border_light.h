@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -54,10 +55,11 @@ Bounds wsBoxOf(const CellGrid& grid);
 
 /// What lies around the cells of a part of space: larger cells, without what is in the smaller ones.
 struct Around {
-    CellMedia media;                  ///< for the solve
-    CellMedia last;                   ///< with phase functions split for its last sweep
-    const Around* further = nullptr;  ///< what lies around these cells; null: nothing
+    CellMedia media;                        ///< for the solve
+    CellMedia split;                        ///< with phase functions split for its last sweep; empty: they are the same
+    std::shared_ptr<const Around> further;  ///< what lies around these cells; null: nothing
 
+    const CellMedia& last() const { return split.extinction.empty() ? media : split; }
     /// What a ray passes that leaves `grid`, whose cells all this surrounds: from there on, up to `distance` from `ws`.
     Depths beyond(const CellGrid& grid, bool ofLast, const Vec3& ws, const Vec3& direction, double distance) const;
 };

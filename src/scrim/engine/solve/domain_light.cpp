@@ -61,7 +61,7 @@ std::size_t DomainBorder::bytes() const {
         add(pass.ofSolve);
         for (const Inflow& part : pass.ofParts) add(part);
     }
-    return values * sizeof(Real) + around.media.bytes() + around.last.bytes();
+    return values * sizeof(Real) + (around ? around->media.bytes() + around->split.bytes() : 0);
 }
 
 DomainLight::DomainLight(const Settings& settings, const CellMedia& media, const DomainBorder* border,
@@ -117,7 +117,7 @@ struct DomainLight::Passes {
         std::vector<std::vector<Inflow>> into(inner.size());
         const auto send = [&](const Ordinates& along, const Inflow& inflow, const std::vector<Real>& sent) {
             for (std::size_t i = 0; i < inner.size(); ++i)
-                into[i].push_back(inflowFrom({last.media(), inner[i]->around.last, colour, solver.rowOfCell(),
+                into[i].push_back(inflowFrom({last.media(), inner[i]->around->last(), colour, solver.rowOfCell(),
                                               solver.valuesPerRow(), sent, glows, inflow},
                                              inner[i]->grid, along));
         };
@@ -170,7 +170,7 @@ void DomainLight::solvePart(const Settings& settings, const CellMedia& media, Pa
     const Ordinates& directions = passes.directions;
     const auto colour = std::size_t(axisOfLargest(colours));
     const bool someOnce = std::ranges::any_of(classes, &ScatterClass::once);
-    const Around* around = passes.border ? &passes.border->around : nullptr;
+    const Around* around = passes.border ? passes.border->around.get() : nullptr;
     const auto keepIn = [&](const std::vector<std::shared_ptr<CellField>>& fields, int which, const auto& own,
                             const auto& straight, double factor) {
         keep(last.classes(), solver, own, straight, which, factor * colours, &fields[t * m_classes]);

@@ -33,7 +33,7 @@ std::vector<std::pair<ScatterTarget, Rgb>> partsOf(const ViewScene& scene, const
 /// order, as the domain around it finds it.
 struct DomainBorder {
     CellGrid grid;
-    Around around;
+    std::shared_ptr<const Around> around;
     std::vector<PassInflow> passes = {};
 
     std::size_t bytes() const;

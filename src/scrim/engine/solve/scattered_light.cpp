@@ -52,12 +52,14 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
 
 ScatteredLight::Borders ScatteredLight::bordersOf(std::size_t d, const DomainMedia& cells,
                                                   const CellMedia& around) const {
-    const auto parent = std::size_t(m_plan.domains[d].parent);
-    const CellMedia left = cells.around(d, around);
-    const CellMedia last = splitAgain(left, m_classes, scatterClasses(m_scene, m_plan.ordinates));
-    const Around* further = parent > 0 ? &m_borders[parent][0].around : nullptr;
-    return {DomainBorder{cells.gridOf(d), {left, last, further}},
-            DomainBorder{cells.gridOf(d, 2), {left, last, further}}};
+    auto own = std::make_shared<Around>();
+    own->media = cells.around(d, around);
+    const std::vector<ScatterClass> last = scatterClasses(m_scene, m_plan.ordinates);
+    if (!std::ranges::equal(m_classes, last, {}, &ScatterClass::straight, &ScatterClass::straight))
+        own->split = splitAgain(own->media, m_classes, last);
+    if (const int parent = m_plan.domains[d].parent; parent > 0)
+        own->further = m_borders[std::size_t(parent)][0].around;
+    return {DomainBorder{cells.gridOf(d), own}, DomainBorder{cells.gridOf(d, 2), own}};
 }
 
 void ScatteredLight::solve(std::size_t d, const DomainMedia& cells, const DomainLight::Settings& settings) {
@@ -73,7 +75,8 @@ void ScatteredLight::solve(std::size_t d, const DomainMedia& cells, const Domain
     DomainLight& light = m_domains.emplace_back(settings, media, d == 0 ? nullptr : m_borders[d].data(), inner);
     std::size_t fields = 0, borders = 0, peak = light.peak();
     for (const DomainLight& known : m_domains) fields += known.bytes();
-    for (const Borders& both : m_borders) borders += both[0].bytes() + both[1].bytes();
+    for (const Borders& both : m_borders)
+        for (const DomainBorder& border : both) borders += border.bytes();
     if (extrapolates) {
         // The solver is gone when that of larger cells comes.
         DomainLight::Settings mean = settings;

@@ -53,7 +53,7 @@ bool lookAlike(const ViewScene& scene, const Plan& plan, std::size_t first, std:
     const ViewVolume &a = scene.volumes[first], &b = scene.volumes[second];
     return !a.classified && !b.classified && a.scatter.empty() && b.scatter.empty() && a.medium == b.medium &&
            plan.subLights.lit[first] == plan.subLights.lit[second] && a.shadows == b.shadows &&
-           a.holdout == b.holdout && !a.motion && !b.motion;
+           a.holdout == b.holdout && !a.motion && !b.motion && plan.onSameCells(first, second);
 }
 
 std::vector<Alike> alikeVolumes(const ViewScene& scene, const Plan& plan, const std::vector<bool>& among) {
