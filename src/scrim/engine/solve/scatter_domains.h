@@ -19,10 +19,10 @@ namespace scrim {
 /// voxels of the finest volume that the cells are for.
 std::vector<ScatterDomain> scatterDomains(const ViewScene& scene, double cell);
 
-/// The cells of a scene's domains.
 /// One domain for the whole scene, with cells for its finest voxels.
 std::vector<ScatterDomain> wholeScene(const ViewScene& scene, double cell);
 
+/// The cells of a scene's domains.
 class DomainMedia {
   public:
     /// What is referred to must outlive this object.
