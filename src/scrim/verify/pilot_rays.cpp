@@ -57,8 +57,9 @@ class PilotVolume {
     }
 
     VolumeOptics optics;
-    Bounds bounds;    ///< world space
-    double step = 1;  ///< world units
+    Bounds bounds;     ///< world space
+    double step = 1;   ///< world units
+    double texel = 1;  ///< of the sheets that the volume has (plan/levels.h), world units
 
   private:
     std::vector<double> m_glow;  // for each emission
@@ -90,6 +91,11 @@ class PilotScene {
         }
         if (like != nullptr) m_bounds = like->m_bounds;
         m_voxel = like != nullptr ? like->m_voxel : voxelUnit(scene);
+        for (PilotVolume& volume : m_volumes) {
+            const double octaves = std::floor(std::log2(volume.step / (kStep * m_voxel)) + 1e-9);
+            volume.texel = m_voxel * std::exp2(std::max(octaves, 0.0));
+            m_reach = std::max(m_reach, kReach * volume.texel);
+        }
         sortIntoCells();
         chooseSteps(like);
         for (const Light& light : scene.lights) m_lights.push_back({&light, glm::dot(light.intensity, Rgb(1.0 / 3))});
@@ -215,13 +221,9 @@ class PilotScene {
             stuff[1] = texels ? texelsAt(m_volumes.front(), ws) : stuff[0];
             return;
         }
-        // Texels of the finest voxels show much larger ones as they are.
-        constexpr double kLarge = 4 * kStep;
-        const double reach = texels ? kReach * m_voxel : 0;
-        forVolumesNear(ws, reach, [&](const PilotVolume& volume) {
+        forVolumesNear(ws, texels ? m_reach : 0, [&](const PilotVolume& volume) {
             const Stuff own = volume.at(ws);
-            const bool same =
-                !texels || volume.step >= kLarge * m_voxel || volume.optics.evenAlong(ws, direction, reach) >= 0;
+            const bool same = !texels || volume.optics.evenAlong(ws, direction, kReach * volume.texel) >= 0;
             stuff[0].add(own, 1);
             stuff[1].add(same ? own : texelsAt(volume, ws), 1);
         });
@@ -255,8 +257,8 @@ class PilotScene {
         for (std::size_t v = 0; v < m_volumes.size(); ++v) {
             Int3 first, last;
             for (int axis = 0; axis < 3; ++axis) {
-                first[axis] = cellAlong(m_volumes[v].bounds.lower[axis] - kReach * m_voxel, axis);
-                last[axis] = cellAlong(m_volumes[v].bounds.upper[axis] + kReach * m_voxel, axis);
+                first[axis] = cellAlong(m_volumes[v].bounds.lower[axis] - m_reach, axis);
+                last[axis] = cellAlong(m_volumes[v].bounds.upper[axis] + m_reach, axis);
             }
             for (int x = first.x; x <= last.x; ++x)
                 for (int y = first.y; y <= last.y; ++y)
@@ -274,7 +276,7 @@ class PilotScene {
     // prefilter that makes up for the blur of the bilinear look-up. Texels at -1 and 2 of a row or column contribute
     // only through the prefilter.
     Stuff texelsAt(const PilotVolume& volume, const Vec3& ws) const {
-        const double u = glm::dot(ws, m_u) / m_voxel, v = glm::dot(ws, m_v) / m_voxel;
+        const double u = glm::dot(ws, m_u) / volume.texel, v = glm::dot(ws, m_v) / volume.texel;
         const double fu = u - std::floor(u), fv = v - std::floor(v);
         const double wu[4] = {0, 1 - fu, fu, 0}, wv[4] = {0, 1 - fv, fv, 0};
         Stuff sum;
@@ -283,7 +285,8 @@ class PilotScene {
                 const auto at = [](const double* w, int k) { return k < 0 || k > 3 ? 0.0 : w[k]; };
                 const double around = wv[j] * (at(wu, i - 1) + at(wu, i + 1)) + wu[i] * (at(wv, j - 1) + at(wv, j + 1));
                 const double weight = wu[i] * wv[j] * (1 + 4.0 / 12) - around / 12;
-                if (weight != 0) sum.add(volume.at(ws + m_voxel * ((i - 1 - fu) * m_u + (j - 1 - fv) * m_v)), weight);
+                if (weight != 0)
+                    sum.add(volume.at(ws + volume.texel * ((i - 1 - fu) * m_u + (j - 1 - fv) * m_v)), weight);
             }
         return {std::max(sum.extinction, 0.0), std::max(sum.glow, 0.0)};
     }
@@ -335,6 +338,7 @@ class PilotScene {
     double m_ambient = 0;
     Bounds m_bounds;
     double m_voxel = 1;
+    double m_reach = 0;  // of the largest texels, world units
     bool m_even = true;
     Vec3 m_u, m_v;
 };

@@ -13,8 +13,8 @@ namespace scrim {
 /// additive recurrence spreads the rays evenly and is the same in every run.
 Vec3 pilotPlace(int i);
 
-/// A rough relative RMSE that texels of one voxel leave along `rays` rays over the whole picture, or up to 384 where
-/// these disagree. It serves to compare scenes. 0 where nothing is visible.
+/// A rough relative RMSE that texels of one voxel, of each volume its own, leave along `rays` rays over the whole
+/// picture, or up to 384 where these disagree. It serves to compare scenes. 0 where nothing is visible.
 double pilotError(const ViewScene& scene, int rays);
 
 /// What coarser fields leave in the picture of a scene.
