@@ -177,4 +177,10 @@ Rgb opticalDepth(const std::vector<VolumeOptics>& volumes, const Bounds& wsBound
     return tau;
 }
 
+double mostDepth(const ViewVolume& volume, double distance) {
+    const auto most = double(volume.field->maxValue);
+    return distance *
+           (volume.classified ? mostExtinction(*volume.classified, most) : most * volume.medium.mostExtinction());
+}
+
 }  // namespace scrim

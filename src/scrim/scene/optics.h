@@ -92,6 +92,9 @@ class VolumeOptics {
 Rgb opticalDepth(const std::vector<VolumeOptics>& volumes, const Bounds& wsBounds, double step, const Vec3& wsA,
                  const Vec3& wsB, std::optional<std::size_t> light = {});
 
+/// The optical depth of a volume's largest value over `distance` world units.
+double mostDepth(const ViewVolume& volume, double distance);
+
 /// A distance within which all fields of all volumes are known to be 0; 0 where none is known, infinite without
 /// volumes.
 double emptyDistance(const std::vector<VolumeOptics>& volumes, const Vec3& ws);

@@ -6,6 +6,7 @@
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/cells/cell_levels.h>
 #include <scrim/engine/cells/ordinates.h>
+#include <scrim/engine/solve/scatter_domains.h>
 #include <scrim/engine/solve/scattered_light.h>
 #include <scrim/scene/light_at.h>
 #include <scrim/scene/optics.h>
@@ -125,7 +126,7 @@ ViewScene withCells(const ViewScene& scene, double cell, int directions = kOrdin
 // The voxels along the longest edge of volumes that are solved for together.
 double mostVoxelsAlong(const ViewScene& scene) {
     double most = 1;
-    for (const ScatterDomain& domain : planTransport(withCells(scene, 1)).domains) {
+    for (const ScatterDomain& domain : scatterDomains(scene, 1)) {
         const ViewScene own = withVoxelsOf(scene, domain.volumes);
         most = std::max(most, largest(wsBounds(own).size()) / voxelUnit(own));
     }

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include <glm/vector_relational.hpp>
+
 namespace scrim {
 namespace {
 
@@ -49,6 +51,15 @@ std::vector<std::vector<bool>> cellLevels(const ViewScene& scene,
         }
     }
     return levels;
+}
+
+std::vector<bool> both(std::vector<bool> a, const std::vector<bool>& b) {
+    for (std::size_t v = 0; v < a.size(); ++v) a[v] = a[v] && b[v];
+    return a;
+}
+
+bool overlap(const Bounds& a, const Bounds& b) {
+    return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
 }
 
 bool hasSurfaces(const ViewScene& scene) {

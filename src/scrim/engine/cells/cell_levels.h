@@ -9,6 +9,7 @@
 #pragma once
 
 #include <scrim/engine/model/plan.h>
+#include <scrim/geometry/bounds.h>
 #include <scrim/scene/view_scene.h>
 
 #include <cstddef>
@@ -22,6 +23,12 @@ namespace scrim {
 /// cells that a scene needs, world units; it is asked for volumes of like voxels, unless all are.
 std::vector<std::vector<bool>> cellLevels(const ViewScene& scene,
                                           const std::function<double(const ViewScene&)>& edgeFor);
+
+/// Those volumes that are in both lists: for each volume of a scene.
+std::vector<bool> both(std::vector<bool> a, const std::vector<bool>& b);
+
+/// True if the boxes have a point in common.
+bool overlap(const Bounds& a, const Bounds& b);
 
 /// True if a classified volume has voxels.
 bool hasSurfaces(const ViewScene& scene);

@@ -20,11 +20,6 @@ std::vector<bool> mediaAmong(const ViewScene& scene, std::vector<bool> volumes) 
     return volumes;
 }
 
-std::vector<bool> both(std::vector<bool> a, const std::vector<bool>& b) {
-    for (std::size_t v = 0; v < a.size(); ++v) a[v] = a[v] && b[v];
-    return a;
-}
-
 MediaTogether Holding::together() const {
     MediaTogether all{&own};
     for (const CellMedia& media : coarser) all.push_back(&media);

@@ -13,9 +13,8 @@
 
 namespace scrim {
 
-/// Those of `volumes` that are no surfaces, and those that are in both lists: for each volume of the scene.
+/// Those of `volumes` that are no surfaces: for each volume of the scene.
 std::vector<bool> mediaAmong(const ViewScene& scene, std::vector<bool> volumes);
-std::vector<bool> both(std::vector<bool> a, const std::vector<bool>& b);
 
 /// What holds back the light of some lights: on the level's own cells, and on those of each coarser level.
 struct Holding {

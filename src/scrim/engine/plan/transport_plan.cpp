@@ -12,6 +12,7 @@
 #include <scrim/engine/solve/last_sweep.h>
 #include <scrim/engine/solve/first_light.h>
 #include <scrim/engine/solve/scatter_domains.h>
+#include <scrim/scene/optics.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +23,6 @@
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
-#include <glm/vector_relational.hpp>
 
 namespace scrim {
 namespace {
@@ -131,13 +131,6 @@ bool isAmong(const Light& light, const std::vector<Vec3>& wsCorners) {
     return coneToCorners(light.wsPosition, wsCorners, directions).cosAngle <= std::cos(kWidestView);
 }
 
-// The largest optical depth of a voxel of the volume.
-double depthOfVoxel(const ViewVolume& volume, double voxel) {
-    const auto most = double(volume.field->maxValue);
-    return voxel *
-           (volume.classified ? mostExtinction(*volume.classified, most) : most * volume.medium.mostExtinction());
-}
-
 // The error of wide light that surfaces keep on cells of this edge (voxels), relative to their light, at the most. By
 // their densest voxels: an optical depth of 0.5, 1.5 and 4 left 0.36, 0.6 and 1.6 % of smooth balls with cells of half
 // a voxel, and 0.2, 0.4 and 0.8 % with a third. A scan whose values differ from voxel to voxel has more: of the teddy
@@ -145,7 +138,7 @@ double depthOfVoxel(const ViewVolume& volume, double voxel) {
 double errorOfSurfaces(const ViewScene& scene, double edge) {
     double depth = 0;
     for (const ViewVolume& v : scene.volumes)
-        if (v.classified && !v.field->empty()) depth = std::max(depth, depthOfVoxel(v, voxelUnit(scene)));
+        if (v.classified && !v.field->empty()) depth = std::max(depth, mostDepth(v, voxelUnit(scene)));
     return 0.009 * depth * std::pow(2 * edge, 1.8);
 }
 
@@ -178,7 +171,7 @@ int leastForCells(const ViewScene& scene, const Light& light, const std::vector<
     if (hasSurfaces(scene)) return kManyAtEdges;
     double depth = 0;  // of one volume: what overlaps has no sharper edges
     for (const ViewVolume& v : scene.volumes)
-        if (!v.field->empty()) depth = std::max(depth, depthOfVoxel(v, voxelUnit(v)));
+        if (!v.field->empty()) depth = std::max(depth, mostDepth(v, voxelUnit(v)));
     if (depth <= kDepth) return kMany;
     const bool beside = light.area() && !isLampOnCells(scene, light) && !isAmong(light, wsCorners);
     return beside && kFinestCell * depth > kDepth ? kManyInSolid : kManyAtEdges;
@@ -240,18 +233,13 @@ double occupied(const ViewScene& scene, double margin) {
     return sum;
 }
 
-// True if the boxes have a point in common.
-bool overlap(const Bounds& a, const Bounds& b) {
-    return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
-}
-
 }  // namespace
 
 double depthOfVoxel(const ViewScene& scene) {
     const double voxel = voxelUnit(scene);
     std::vector<std::pair<Bounds, double>> parts;
     for (const ViewVolume& v : scene.volumes)
-        if (!v.field->empty()) parts.emplace_back(transformed(v.wsFromIs, v.field->isBounds()), depthOfVoxel(v, voxel));
+        if (!v.field->empty()) parts.emplace_back(transformed(v.wsFromIs, v.field->isBounds()), mostDepth(v, voxel));
     double most = 1e-9;
     for (const auto& [box, depth] : parts) {
         double sum = 0;

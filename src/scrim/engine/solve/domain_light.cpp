@@ -22,8 +22,6 @@ bool comesIn(const ViewScene& scene, const ScatterTarget& target) {
 
 }  // namespace
 
-// The parts of a target that are solved for one by one, and the colour of each solve's light, relative to its largest
-// component. Where all media are grey, a part is all light of one colour; else it is red, green or blue.
 std::vector<std::pair<ScatterTarget, Rgb>> partsOf(const ViewScene& scene, const TransportPlan& plan,
                                                    const ScatterTarget& target) {
     std::vector<std::pair<ScatterTarget, Rgb>> parts;

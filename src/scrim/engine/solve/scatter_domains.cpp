@@ -3,6 +3,7 @@
 
 #include <scrim/engine/cells/cell_levels.h>
 #include <scrim/engine/solve/border_light.h>
+#include <scrim/scene/optics.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,6 @@
 #include <utility>
 
 #include <glm/common.hpp>
-#include <glm/vector_relational.hpp>
 
 namespace scrim {
 namespace {
@@ -30,10 +30,6 @@ constexpr double kHaze = 0.25, kMostFilled = 8;
 double sizeOf(const Bounds& box) {
     const Vec3 size = box.size();
     return size.x * size.y * size.z;
-}
-
-bool overlap(const Bounds& a, const Bounds& b) {
-    return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
 }
 
 // Volumes of a level that lie together.
@@ -64,13 +60,6 @@ std::vector<Cluster> clusters(const std::vector<std::size_t>& level, const std::
     return all;
 }
 
-// The optical depth of a volume's densest voxel over a distance.
-double depthOver(const ViewVolume& volume, double distance) {
-    const auto most = double(volume.field->maxValue);
-    return distance *
-           (volume.classified ? mostExtinction(*volume.classified, most) : most * volume.medium.mostExtinction());
-}
-
 // Takes `part` out of `media`, on the same grid, in the cells that `box` meets.
 void takeOut(const CellMedia& part, const Bounds& box, CellMedia& media) {
     constexpr Real kRest = Real(1e-5);  // less is what rounding leaves
@@ -98,10 +87,6 @@ Bounds boxOf(const ViewScene& scene, const ScatterDomain& domain, double margin)
     return box;
 }
 
-std::vector<bool> common(std::vector<bool> a, const std::vector<bool>& b) {
-    for (std::size_t v = 0; v < a.size(); ++v) a[v] = a[v] && b[v];
-    return a;
-}
 bool any(const std::vector<bool>& volumes) {
     return std::ranges::find(volumes, true) != volumes.end();
 }
@@ -153,7 +138,7 @@ std::vector<ScatterDomain> scatterDomains(const ViewScene& scene, double cell) {
                 if (boxes[v].empty() || !overlap(boxes[v], cluster.box)) continue;
                 (coarser[v] ? domain.larger : domain.held)[v] = true;
                 if (coarser[v])
-                    depth += depthOver(scene.volumes[v], largest(cluster.box.size()));
+                    depth += mostDepth(scene.volumes[v], largest(cluster.box.size()));
                 else if (cluster.volumes[v])
                     for (const ViewField& field : fieldsOf(scene.volumes[v]))
                         blocks += double(field.field->blockCount()) * std::pow(kBlockEdge * voxels[v], 3);
@@ -197,9 +182,9 @@ CellMedia DomainMedia::of(std::size_t d, double larger, const std::vector<bool>&
     const ScatterDomain& domain = m_domains[d];
     const double edge = larger * domain.edge;
     CellPlaces places = placesOf(d, edge);
-    places.dense = common(domain.held, volumes);
+    places.dense = both(domain.held, volumes);
     CellMedia media = cellMedia(m_scene, m_classes, edge, m_simd, places);
-    if (const std::vector<bool> coarser = common(domain.larger, volumes); any(coarser))
+    if (const std::vector<bool> coarser = both(domain.larger, volumes); any(coarser))
         addLarger(media, of(std::size_t(domain.parent), 1, coarser));
     return media;
 }
