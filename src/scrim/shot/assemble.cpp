@@ -19,7 +19,7 @@
 namespace scrim {
 namespace {
 
-// The number of pixels that the edge of a voxel covers where the volume comes closest to the camera.
+// The number of pixels that the shortest edge of a voxel covers where the volume comes closest to the camera.
 double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4& wsFromIs) {
     double edge = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) edge = std::min(edge, glm::length(Vec3(wsFromIs[axis])));
@@ -28,13 +28,16 @@ double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4&
     return edge / std::max(pixelAt(camera, distance), 1e-300);
 }
 
-// Halves the field's resolution as long as its voxels stay below `lod` pixels.
+// Halves the field's resolution along the short edges of its voxels as long as these stay below `lod` pixels.
 std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, double lod, const Mat4& wsFromAsset,
                                                      std::shared_ptr<const SparseField> field, CoarserLevels* levels) {
     if (field->empty()) return field;
     CoarserLevels own;
-    while (2 * voxelInPixels(camera, *field, wsFromAsset * field->wsFromIs) <= lod && field->activeVoxels > 1) {
-        std::shared_ptr<const SparseField> coarser = (levels != nullptr ? *levels : own).below(field);
+    for (;;) {
+        const Mat4 wsFromIs = wsFromAsset * field->wsFromIs;
+        if (2 * voxelInPixels(camera, *field, wsFromIs) > lod || field->activeVoxels <= 1) break;
+        std::shared_ptr<const SparseField> coarser =
+            (levels != nullptr ? *levels : own).below(field, shortAxes(wsFromIs));
         if (coarser->empty()) break;  // means of the smallest values count as 0
         field = std::move(coarser);
     }

@@ -20,13 +20,16 @@
 namespace scrim {
 namespace {
 
-constexpr double kStep = 3, kShadowStep = 3;  // steps of eye rays and of shadow rays, voxels
-constexpr double kLeastShare = 1e-3;          // steps that contribute less than this to the ray are not lit
-constexpr double kReach = 2.25;               // of texels: two along one axis, one along the other
-constexpr double kMostDepth = 7;              // optical depth at which a ray ends
-constexpr int kMostSteps = 400;               // per ray
-constexpr double kSure = 0.22;                // standard deviation of the mean square, relative to it
-constexpr int kMostRays = 384;                // however large the deviation is
+constexpr double kStep = 3;           // steps of rays, voxels
+constexpr double kFlatStep = 0.25;    // the same through flat voxels, whose values change with each along most rays
+constexpr double kFlatReach = 7;      // voxels by which flat ones that are four times coarser may reach farther
+constexpr double kLeastShare = 1e-3;  // steps that contribute less than this to the ray are not lit
+constexpr double kMostUnlit = 0.01;   // of a ray through volumes of unlike voxels, between points that are lit
+constexpr double kReach = 2.25;       // of texels: two along one axis, one along the other
+constexpr double kMostDepth = 7;      // optical depth at which a ray ends
+constexpr int kMostSteps = 400;       // per ray
+constexpr double kSure = 0.22;        // standard deviation of the mean square, relative to it
+constexpr int kMostRays = 384;        // however large the deviation is
 constexpr double kFar = 1e300;
 constexpr std::size_t kMostLights = 3;
 constexpr double kFourPi = 4 * glm::pi<double>();
@@ -70,10 +73,14 @@ struct PilotLight {
     double power;  // irradiance, or radiant intensity
 };
 
+// The edges of voxels, world units.
+Vec3 edgesOf(const ViewVolume& volume) {
+    const auto edge = [&](int axis) { return glm::length(Vec3(volume.wsFromIs[axis])); };
+    return {edge(0), edge(1), edge(2)};
+}
+
 double voxelOf(const ViewVolume& volume) {
-    double edge = kFar;
-    for (int axis = 0; axis < 3; ++axis) edge = std::min(edge, glm::length(Vec3(volume.wsFromIs[axis])));
-    return edge;
+    return smallest(edgesOf(volume));
 }
 
 // The scene as pilot rays see it.
@@ -82,17 +89,22 @@ class PilotScene {
     /// `like`: the scene whose steps the rays take; null: they are chosen for this one.
     explicit PilotScene(const ViewScene& scene, const PilotScene* like = nullptr) {
         FieldSamplers samplers;
+        if (like != nullptr ? like->m_step == kFlatStep : anyFlat(scene)) m_step = kFlatStep;
         for (const ViewVolume& volume : scene.volumes) {
             if (volume.field->empty() && volume.emission.empty()) continue;
             PilotVolume& own = m_volumes.emplace_back(volume, samplers);
             for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) own.bounds.include(corner);
-            own.step = kStep * voxelOf(volume);
+            if (m_step == kFlatStep) {
+                own.bounds.lower -= kFlatReach * voxelOf(volume);
+                own.bounds.upper += kFlatReach * voxelOf(volume);
+            }
+            own.step = m_step * voxelOf(volume);
             m_bounds.include(own.bounds);
         }
         if (like != nullptr) m_bounds = like->m_bounds;
         m_voxel = like != nullptr ? like->m_voxel : voxelUnit(scene);
         for (PilotVolume& volume : m_volumes) {
-            const double octaves = std::floor(std::log2(volume.step / (kStep * m_voxel)) + 1e-9);
+            const double octaves = std::floor(std::log2(volume.step / (m_step * m_voxel)) + 1e-9);
             volume.texel = m_voxel * std::exp2(std::max(octaves, 0.0));
             m_reach = std::max(m_reach, kReach * volume.texel);
         }
@@ -125,20 +137,26 @@ class PilotScene {
         double exact = 0, texels = 0, alpha = 0, thickness = 0;
     };
     Seen look(const Vec3& origin, const Vec3& direction, double jitter, bool texels = true) const {
+        if (m_step == kFlatStep) jitter = 0.5;
         Seen seen;
         const auto [first, last] = m_bounds.clip(origin, direction, 0, kFar);
         if (!(first < last)) return seen;
         double through[2] = {1, 1}, radiance[2] = {0, 0}, thickness = 0;
+        double light[2] = {0, 0}, unlit = 0;  // what has contributed since light was looked up
         walk(origin, direction, first, last, jitter, [&](double t, double step) {
             const Vec3 at = origin + t * direction;
             Stuff stuff[2];
             lookUp(at, direction, texels && evenSteps(at, direction, step) == 0, stuff);
             const Stuff& exact = stuff[0];
             if (stuff[0].extinction + stuff[1].extinction + stuff[0].glow + stuff[1].glow <= 0) return true;
-            double light[2] = {m_ambient, m_ambient};
-            const double before = radiance[0];
-            if (through[0] * stuff[0].extinction * step > kLeastShare)
-                for (const PilotLight& l : m_lights) addLight(l, at, jitter, texels, light);
+            const double before = radiance[0], share = through[0] * stuff[0].extinction * step;
+            unlit += share;
+            if (m_even || unlit > kMostUnlit) {
+                light[0] = light[1] = m_ambient;
+                if (unlit > kLeastShare * m_step / kStep)
+                    for (const PilotLight& l : m_lights) addLight(l, at, jitter, texels, light);
+                unlit = 0;
+            }
             for (int i = 0; i < 2; ++i) {
                 const double tau = stuff[i].extinction * step, left = std::exp(-tau);
                 // Mean transmittance of emission within the step.
@@ -167,7 +185,7 @@ class PilotScene {
         }
         double most = 0;
         for (const PilotVolume& volume : m_volumes) most = std::max(most, volume.step);
-        m_even = most <= kAlike * kStep * m_voxel || m_volumes.size() > kMany;
+        m_even = most <= kAlike * m_step * m_voxel || m_volumes.size() > kMany;
     }
     // Calls visit(t, length) for the steps of a ray, each as long as the finest volume there asks for, until it returns
     // false. Nothing is visited outside of all volumes.
@@ -175,7 +193,7 @@ class PilotScene {
     void walk(const Vec3& origin, const Vec3& direction, double first, double last, double jitter,
               const Visit& visit) const {
         if (m_even) {
-            const double step = std::max(kStep * m_voxel, (last - first) / kMostSteps);
+            const double step = std::max(m_step * m_voxel, (last - first) / kMostSteps);
             for (double t = first + jitter * step; t < last; t += step)
                 if (!visit(t, step)) return;
             return;
@@ -317,7 +335,7 @@ class PilotScene {
                     for (int i = 0; i < 2; ++i) tau[i] += stuff[i].extinction * step;
                     return std::min(tau[0], tau[1]) < kMostDepth;
                 });
-            const double step = std::max(kShadowStep * m_voxel, last / kMostSteps);
+            const double step = std::max(m_step * m_voxel, last / kMostSteps);
             for (double t = jitter * step; m_even && t < last && std::min(tau[0], tau[1]) < kMostDepth;) {
                 const Vec3 here = at + t * way;
                 const int even = std::min(evenSteps(here, way, step), static_cast<int>(std::ceil((last - t) / step)));
@@ -338,12 +356,22 @@ class PilotScene {
     double m_ambient = 0;
     Bounds m_bounds;
     double m_voxel = 1;
-    double m_reach = 0;  // of the largest texels, world units
+    double m_step = kStep;  // voxels
+    double m_reach = 0;     // of the largest texels, world units
     bool m_even = true;
     Vec3 m_u, m_v;
 };
 
 }  // namespace
+
+double flatness(const ViewVolume& volume) {
+    return largest(edgesOf(volume)) / voxelOf(volume);
+}
+
+bool anyFlat(const ViewScene& scene) {
+    constexpr double kFlat = 2;
+    return std::ranges::any_of(scene.volumes, [](const ViewVolume& volume) { return flatness(volume) > kFlat; });
+}
 
 Vec3 pilotPlace(int i) {
     return {evenPoint(i), glm::fract(0.5 + 0.618034 * i)};

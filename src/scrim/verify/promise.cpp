@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -163,7 +164,11 @@ ToleranceModel modelOfMedia(const ViewScene& scene) {
     double error = pilotError(scene, kRays);
     // Lights that miss all volumes say nothing about the error.
     if (lit && error == 0) error = kUnlit * pilotError(unlit(scene), kRays);
-    return expectedModel((lit ? 1 : kUnlit) * soft * error, meanSlant(scene));
+    ToleranceModel model = expectedModel((lit ? 1 : kUnlit) * soft * error, meanSlant(scene));
+    // A ball of 1 : 1 : 1/100, 1/1000: sheets of 1.5 voxels left 1.4 %, where texels of half a voxel left 0.3.
+    constexpr double kFlatSheets = 2.5;
+    if (anyFlat(scene)) model.sheets *= kFlatSheets;
+    return model;
 }
 
 }  // namespace
@@ -273,26 +278,33 @@ PromisedDials dialsOf(const ViewScene& scene, double promised) {
 // of which are not empty (see expectedSeconds; a plan of the finest fields may take longer than the render of coarser
 // ones). Each volume has sheets for its own voxels (plan/levels.h).
 double roughSeconds(const ViewScene& scene, const Dials& dials) {
-    constexpr double kFootprint = 2e-8, kTexel = 1.2e-9, kReach = 4, kPixelSheet = 4.5e-9;
+    constexpr double kFootprint = 2e-8, kTexel = 1.2e-9, kReach = 4, kPixelSheet = 4.5e-9, kFlat = 2.4;
     const double across = kReach / dials.texel, picture = double(scene.picture.pixelCount());
     double seconds = 0;
     for (const ViewVolume& volume : scene.volumes) {
         const Bounds ws = transformed(volume.wsFromIs, volume.field->isBounds());
         if (ws.empty()) continue;
-        const double voxel = std::cbrt(std::abs(glm::determinant(Mat3(volume.wsFromIs))));
+        // Sheets are as thin as the short edges of flat voxels, whose footprints then have many texels in many sheets:
+        // a voxel of 1 : 1 : 1/100 has had 6e4 times those of a cube.
+        const double flat = std::pow(flatness(volume), kFlat), voxel = voxelUnit(volume);
         const double distance =
             glm::distance(glm::clamp(scene.camera.wsPosition, ws.lower, ws.upper), scene.camera.wsPosition);
         const double extent = glm::length(ws.size()) / std::numbers::sqrt3;
         const double pixels = std::pow(extent / std::max(pixelAt(scene.camera, distance), 1e-300), 2);
-        seconds += double(volume.field->activeVoxels) * (kFootprint + kTexel * across * across) +
+        seconds += double(volume.field->activeVoxels) * (kFootprint + kTexel * across * across * flat) +
                    std::min(pixels, picture) * extent / (dials.sheetThickness * voxel) * kPixelSheet;
     }
     return seconds;
 }
 
-std::uint64_t voxelsOf(const ViewScene& scene) {
-    std::uint64_t voxels = 0;
-    for (const ViewVolume& volume : scene.volumes) voxels += volume.field->activeVoxels;
+// The voxels of a scene: how many there are, and the sum of their edges by volume. They tell scenes of different levels
+// apart; one layer of voxels stays one when these become thicker.
+std::pair<std::uint64_t, double> voxelsOf(const ViewScene& scene) {
+    std::pair<std::uint64_t, double> voxels;
+    for (const ViewVolume& volume : scene.volumes) {
+        voxels.first += volume.field->activeVoxels;
+        voxels.second += volume.field->empty() ? 0 : voxelUnit(volume);
+    }
     return voxels;
 }
 
@@ -302,11 +314,15 @@ void chooseCoarser(const std::function<ViewScene(double)>& atLod, ViewScene& sce
     constexpr double kFirst = 0.25, kStep = 1.41421356, kLast = 8, kMostOfPromise = 0.85, kClearly = 0.9;
     constexpr int kCoarserRays = 192;
     const double promised = out.promised;
-    const ViewScene fine = scene;
-    std::uint64_t voxels = voxelsOf(fine);
+    // Flat voxels are compared with some that are far thinner than a pixel already: rays through those of 1 : 1000
+    // would take hundreds of steps a voxel.
+    constexpr double kOfFlat = 0.13;
+    const bool flat = anyFlat(scene);
+    const ViewScene fine = flat ? atLod(kOfFlat) : scene;
+    auto voxels = voxelsOf(scene);
     const CoarserPilot pilot(fine, kCoarserRays);
     double least = kClearly * roughSeconds(scene, out.dials);
-    for (double exact = kFirst; exact <= kLast; exact *= kStep) {
+    for (double exact = flat ? kOfFlat : kFirst; exact <= kLast; exact *= kStep) {
         const double lod = std::round(100 * exact) / 100;  // easy to read and to type again
         ViewScene tried;
         try {

@@ -9,49 +9,62 @@
 #include <limits>
 #include <vector>
 
+#include <glm/geometric.hpp>
+
 namespace scrim {
 
 namespace {
 
-/// One octant of a coarse block: a fine block, or a part of a tile.
+/// A fine block, or a part of a tile, as it lies in a coarse block.
 struct Part {
     Int3 coarseOrigin;
-    int octant;           ///< 4 x + 2 y + z
+    Int3 first;           ///< the first voxel of the coarse block that it covers
     const float* values;  ///< null: `constant` everywhere
     float constant;
 };
 
-/// Finds the coarse block that contains the fine block at `origin`, a multiple of 8. The arithmetic shift divides by 16
-/// and rounds down, also below zero.
-Part partAt(const Int3& origin, const float* values, float constant) {
-    const Int3 block(origin.x >> 3, origin.y >> 3, origin.z >> 3);
-    const Int3 coarse(block.x >> 1, block.y >> 1, block.z >> 1);
-    return {coarse * kBlockEdge, 4 * (block.x & 1) + 2 * (block.y & 1) + (block.z & 1), values, constant};
+// Halves what is an index on the halved axes. The arithmetic shift rounds down, also below zero.
+Int3 half(const Int3& index, const HalvedAxes& halved) {
+    return {index.x >> int(halved[0]), index.y >> int(halved[1]), index.z >> int(halved[2])};
 }
 
-void addPart(const Part& part, float* coarse) {
-    constexpr int kHalf = kBlockEdge / 2;
-    const int x0 = part.octant & 4 ? kHalf : 0;
-    const int y0 = part.octant & 2 ? kHalf : 0;
-    const int z0 = part.octant & 1 ? kHalf : 0;
-    for (int x = 0; x < kHalf; ++x)
-        for (int y = 0; y < kHalf; ++y) {
-            float* out = coarse + blockOffset(x0 + x, y0 + y, z0);
+/// The part that the fine block at `origin`, a multiple of 8, is.
+Part partAt(const Int3& origin, const float* values, float constant, const HalvedAxes& halved) {
+    const Int3 coarse = half(origin, halved);
+    const Int3 first(coarse.x & (kBlockEdge - 1), coarse.y & (kBlockEdge - 1), coarse.z & (kBlockEdge - 1));
+    return {coarse - first, first, values, constant};
+}
+
+/// A row of a block along z.
+using Row = std::array<float, kBlockEdge>;
+
+void addPart(const Part& part, const HalvedAxes& halved, float* coarse) {
+    Int3 size, covered;  // of the part in coarse voxels, and how many fine voxels each covers along an axis
+    for (int axis = 0; axis < 3; ++axis) {
+        covered[axis] = halved[std::size_t(axis)] ? 2 : 1;
+        size[axis] = kBlockEdge / covered[axis];
+    }
+    // Each value is divided first, because the sum of eight large values could overflow.
+    const float share = 1.0f / float(covered.x * covered.y * covered.z);
+    for (int x = 0; x < size.x; ++x)
+        for (int y = 0; y < size.y; ++y) {
+            float* out = coarse + blockOffset(part.first.x + x, part.first.y + y, part.first.z);
             if (part.values == nullptr) {
-                std::fill(out, out + kHalf, part.constant);
+                std::fill(out, out + size.z, part.constant);
                 continue;
             }
-            const float* a = part.values + blockOffset(2 * x, 2 * y, 0);
-            const float* b = part.values + blockOffset(2 * x, 2 * y + 1, 0);
-            const float* c = part.values + blockOffset(2 * x + 1, 2 * y, 0);
-            const float* d = part.values + blockOffset(2 * x + 1, 2 * y + 1, 0);
-            // Each value is divided by eight first, because the sum of eight large values could overflow.
-            std::array<float, kBlockEdge> row;
-            for (std::size_t z = 0; z < row.size(); ++z)
-                row[z] = (0.125f * a[z] + 0.125f * b[z]) + (0.125f * c[z] + 0.125f * d[z]);
-            for (int z = 0; z < kHalf; ++z) {
-                const auto n = std::size_t(2 * z);
-                out[z] = row[n] + row[n + 1];
+            Row row{};
+            for (int i = 0; i < covered.x; ++i) {
+                Row along{};
+                for (int j = 0; j < covered.y; ++j) {
+                    const float* fine = part.values + blockOffset(covered.x * x + i, covered.y * y + j, 0);
+                    for (std::size_t z = 0; z < row.size(); ++z) along[z] += share * fine[z];
+                }
+                for (std::size_t z = 0; z < row.size(); ++z) row[z] += along[z];
+            }
+            for (int z = 0; z < size.z; ++z) {
+                const auto n = std::size_t(covered.z * z);
+                out[z] = covered.z == 2 ? row[n] + row[n + 1] : row[n];
             }
         }
 }
@@ -61,32 +74,42 @@ bool even(const ConstantTile& tile) {
     return ((tile.origin.x | tile.origin.y | tile.origin.z | tile.edge) & kMask) == 0;
 }
 
+/// Adds what an even tile becomes: one of half the edge, and along axes that are not halved two of them.
+void addTile(const ConstantTile& tile, const HalvedAxes& halved, std::vector<ConstantTile>& tiles) {
+    const Int3 origin = half(tile.origin, halved);
+    const int edge = tile.edge / 2;
+    const auto last = [&](int axis) { return halved[std::size_t(axis)] ? 0 : edge; };
+    for (int x = 0; x <= last(0); x += edge)
+        for (int y = 0; y <= last(1); y += edge)
+            for (int z = 0; z <= last(2); z += edge) tiles.push_back({origin + Int3(x, y, z), edge, tile.value});
+}
+
 /// Collects the parts of coarse blocks. Tiles that remain tiles go to `tiles`.
-std::vector<Part> collectParts(const SparseField& fine, std::vector<ConstantTile>& tiles) {
+std::vector<Part> collectParts(const SparseField& fine, const HalvedAxes& halved, std::vector<ConstantTile>& tiles) {
     std::vector<Part> parts;
     parts.reserve(fine.blockCount() + fine.tiles.size());
-    for (std::size_t i = 0; i < fine.blockCount(); ++i) parts.push_back(partAt(fine.blockOrigins[i], fine.block(i), 0));
+    for (std::size_t i = 0; i < fine.blockCount(); ++i)
+        parts.push_back(partAt(fine.blockOrigins[i], fine.block(i), 0, halved));
     for (const ConstantTile& tile : fine.tiles) {
         if (even(tile)) {
-            tiles.push_back(
-                {Int3(tile.origin.x >> 1, tile.origin.y >> 1, tile.origin.z >> 1), tile.edge / 2, tile.value});
+            addTile(tile, halved, tiles);
             continue;
         }
         for (int x = 0; x < tile.edge; x += kBlockEdge)
             for (int y = 0; y < tile.edge; y += kBlockEdge)
                 for (int z = 0; z < tile.edge; z += kBlockEdge)
-                    parts.push_back(partAt(tile.origin + Int3(x, y, z), nullptr, tile.value));
+                    parts.push_back(partAt(tile.origin + Int3(x, y, z), nullptr, tile.value, halved));
     }
     std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
         if (a.coarseOrigin != b.coarseOrigin) return originLess(a.coarseOrigin, b.coarseOrigin);
-        return a.octant < b.octant;
+        return originLess(a.first, b.first);
     });
     return parts;
 }
 
-SparseField meansOf(const SparseField& fine) {
+SparseField meansOf(const SparseField& fine, const HalvedAxes& halved) {
     FieldPieces pieces;
-    const std::vector<Part> parts = collectParts(fine, pieces.tiles);
+    const std::vector<Part> parts = collectParts(fine, halved, pieces.tiles);
     std::vector<std::size_t> begins;  // index of the first part of each coarse block
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (i > 0 && parts[i].coarseOrigin == parts[i - 1].coarseOrigin) continue;
@@ -99,12 +122,13 @@ SparseField meansOf(const SparseField& fine) {
     // The centre of coarse voxel c lies half-way between those of the fine voxels 2c and 2c + 1.
     pieces.wsFromIs = fine.wsFromIs;
     for (int axis = 0; axis < 3; ++axis) {
+        if (!halved[std::size_t(axis)]) continue;
         pieces.wsFromIs[3] += 0.5 * fine.wsFromIs[axis];
         pieces.wsFromIs[axis] = 2.0 * fine.wsFromIs[axis];
     }
     pieces.fill = [&](std::size_t i, float* values) {
         std::fill(values, values + kBlockVoxels, 0.0f);
-        for (std::size_t p = begins[i]; p < begins[i + 1]; ++p) addPart(parts[p], values);
+        for (std::size_t p = begins[i]; p < begins[i + 1]; ++p) addPart(parts[p], halved, values);
     };
     return buildField(std::move(pieces));
 }
@@ -121,12 +145,10 @@ float taken(float value, float beside) {
     return value > beside ? std::min(wanted, beside / 6) : std::max(wanted, -value / 6);
 }
 
-/// A row of a block along z.
-using Row = std::array<float, kBlockEdge>;
-
-/// Sharpens the row (x, y) of a block. `sides`: the blocks below and above it along each axis; null: its voxels take
-/// nothing from there.
-void sharpenRow(const float* own, const std::array<const float*, 6>& sides, int x, int y, float* out) {
+/// Sharpens the row (x, y) of a block along the axes that were halved. `sides`: the blocks below and above it along
+/// each axis; null: its voxels take nothing from there.
+void sharpenRow(const float* own, const std::array<const float*, 6>& sides, const HalvedAxes& halved, int x, int y,
+                float* out) {
     const float* const values = own + blockOffset(x, y, 0);
     Row sharp;
     std::copy_n(values, kBlockEdge, sharp.begin());
@@ -134,7 +156,7 @@ void sharpenRow(const float* own, const std::array<const float*, 6>& sides, int 
         for (std::size_t z = 0; z < kBlockEdge; ++z) sharp[z] += taken(values[z], beside[z]);
     };
     for (int axis = 0; axis < 2; ++axis)
-        for (int up = 0; up < 2; ++up) {
+        for (int up = 0; up < 2 && halved[std::size_t(axis)]; ++up) {
             Int3 beside(x, y, 0);
             beside[axis] += up ? 1 : -1;
             const bool outside = (beside[axis] & ~(kBlockEdge - 1)) != 0;
@@ -148,12 +170,14 @@ void sharpenRow(const float* own, const std::array<const float*, 6>& sides, int 
     std::copy_n(values + 1, kLast, above.begin());
     below.front() = sides[4] != nullptr ? sides[4][blockOffset(x, y, kLast)] : values[0];
     above.back() = sides[5] != nullptr ? sides[5][blockOffset(x, y, 0)] : values[kLast];
-    take(below.data());
-    take(above.data());
+    if (halved[2]) {
+        take(below.data());
+        take(above.data());
+    }
     for (int z = 0; z < kBlockEdge; ++z) out[z] = std::min(sharp[std::size_t(z)], std::numeric_limits<float>::max());
 }
 
-SparseField sharpened(const SparseField& field) {
+SparseField sharpened(const SparseField& field, const HalvedAxes& halved) {
     const BlockIndex index(field);
     FieldPieces pieces;
     pieces.name = field.name;
@@ -170,21 +194,30 @@ SparseField sharpened(const SparseField& field) {
                 sides[std::size_t(2 * axis + up)] = index.at(cube).values;
             }
         for (int x = 0; x < kBlockEdge; ++x)
-            for (int y = 0; y < kBlockEdge; ++y) sharpenRow(own, sides, x, y, values + blockOffset(x, y, 0));
+            for (int y = 0; y < kBlockEdge; ++y) sharpenRow(own, sides, halved, x, y, values + blockOffset(x, y, 0));
     };
     return buildField(std::move(pieces));
 }
 
 }  // namespace
 
-SparseField coarser(const SparseField& fine) {
-    SparseField coarse = sharpened(meansOf(fine));
+HalvedAxes shortAxes(const Mat4& wsFromIs) {
+    constexpr double kAlike = 1.5;
+    Vec3 edges;
+    for (int axis = 0; axis < 3; ++axis) edges[axis] = glm::length(Vec3(wsFromIs[axis]));
+    const double longest = kAlike * std::min({edges.x, edges.y, edges.z});
+    return {edges.x < longest, edges.y < longest, edges.z < longest};
+}
+
+SparseField coarser(const SparseField& fine, const HalvedAxes& halved) {
+    SparseField coarse = sharpened(meansOf(fine, halved), halved);
     coarse.nonFinite = fine.nonFinite;
     coarse.negative = fine.negative;
     return coarse;
 }
 
-std::shared_ptr<const SparseField> CoarserLevels::below(const std::shared_ptr<const SparseField>& fine) {
+std::shared_ptr<const SparseField> CoarserLevels::below(const std::shared_ptr<const SparseField>& fine,
+                                                        const HalvedAxes& halved) {
     const std::lock_guard lock(m_mutex);
     for (bool again = true; again;) {  // a field that is dropped may have kept the next one
         again = false;
@@ -196,8 +229,8 @@ std::shared_ptr<const SparseField> CoarserLevels::below(const std::shared_ptr<co
                 ++i;
             }
     }
-    std::shared_ptr<const SparseField>& found = m_below[fine];
-    if (!found) found = std::make_shared<SparseField>(coarser(*fine));
+    std::shared_ptr<const SparseField>& found = m_below[fine][halved];
+    if (!found) found = std::make_shared<SparseField>(coarser(*fine, halved));
     return found;
 }
 

@@ -9,9 +9,11 @@
 
 #include <limits>
 #include <memory>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 
 namespace scrim::test {
@@ -153,6 +155,25 @@ TEST(Lod, HalvesTheResolutionUntilVoxelsAreAsLargeAsAsked) {
         // The middle of the volume stays where it was.
         const Vec3 middle = transformed(volume.wsFromIs, volume.field->isBounds()).center();
         EXPECT_LT(glm::length(middle - Vec3(-0.5 * voxel)), 1e-9);
+    }
+}
+
+// Slices that are far thinner than pixels are put together until they are as thick as asked, or voxels are cubes.
+TEST(Lod, HalvesOnlyTheShortEdgesOfFlatVoxels) {
+    const auto field = boxField({-32, -32, -32}, {31, 31, 31}, 0.1);
+    const Vec3 flat(1, 1, 1.0 / 32);
+    for (const auto& [lod, x, z] :
+         {std::tuple{0.035, 1.0, 4.0}, {0.13, 1.0, 16.0}, {0.3, 1.0, 32.0}, {0.6, 2.0, 64.0}}) {
+        Scene scene = someScene();
+        scene.camera.type = CameraType::orthographic;
+        scene.camera.height = 40;
+        scene.volumes[0].wsFromAsset = glm::scale(Mat4(1), flat);
+        scene.dials.lod = lod;
+        const ViewVolume volume = assembled(scene, {field}).volumes.at(0);
+        const Vec3 edges(volume.wsFromIs[0].x, volume.wsFromIs[1].y, volume.wsFromIs[2].z);
+        EXPECT_LT(glm::distance(edges, 0.1 * flat * Vec3(x, x, z)), 1e-12) << "lod " << lod;
+        const double layers = std::max(64 / z, 2.0);  // there are some to both sides of 0
+        EXPECT_EQ(volume.field->activeVoxels, static_cast<std::uint64_t>(64 * 64 / (x * x) * layers)) << "lod " << lod;
     }
 }
 

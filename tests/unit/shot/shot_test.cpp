@@ -153,9 +153,10 @@ TEST_F(ShotTest, GivesLayersByName) {
 
 TEST_F(ShotTest, RefusesOverridesThatNobodyReads) {
     EXPECT_NE(errorOf(ErrorKind::input, [&] { open({"camera.fof=20"}); }).find("--set camera.fof"), std::string::npos);
-    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { Shot::open("shot.yaml"); }),
-              "shot.yaml: expected a scene (.toml), an asset (.vdb, .nvdb, .ply) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
-              ".hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm, or a folder of DICOM files)");
+    EXPECT_EQ(
+        errorOf(ErrorKind::usage, [&] { Shot::open("shot.yaml"); }),
+        "shot.yaml: expected a scene (.toml), an asset (.vdb, .nvdb, .ply) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
+        ".hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm, or a folder of DICOM files)");
 }
 
 TEST_F(ShotTest, TakesFurtherOverridesAndRefusesThoseThatAreWrong) {

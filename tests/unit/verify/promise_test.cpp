@@ -8,12 +8,15 @@
 #include <scrim/verify/pilot_rays.h>
 #include <scrim/verify/promise.h>
 #include <scrim/verify/verify.h>
+#include <scrim/volume/coarser.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <gtest/gtest.h>
 
 namespace scrim::test {
@@ -217,6 +220,34 @@ TEST(Presets, KeepTheirPromisesInThinAndDenseCoarseAndFineSmoke) {
                     << ", sheets " << chosen.dials.sheetThickness;
             }
         }
+}
+
+// A cloud of slices that are far thinner than a pixel. Its file's voxels would take texels of a hundredth of a pixel.
+TEST(Presets, PutThinSlicesTogetherAndKeepTheirPromise) {
+    ViewScene fine = smoke(10, 0.15, 40);
+    fine.lights = {distantLight({0.4, -0.5, -1})};
+    constexpr double kFlat = 1.0 / 64;
+    for (ViewVolume& volume : fine.volumes) {
+        volume.wsFromIs = glm::scale(Mat4(1), Vec3(1, 1, kFlat)) * volume.wsFromIs;
+        volume.medium.densityScale /= kFlat;
+    }
+    const double pixel = pixelAt(fine.camera, 1);
+    const auto atLod = [&](double lod) {
+        ViewScene scene = fine;
+        for (ViewVolume& volume : scene.volumes)
+            while (2 * voxelUnit(volume) <= lod * pixel) {
+                const Mat4 placed = volume.wsFromIs * glm::inverse(volume.field->wsFromIs);
+                volume.field = std::make_shared<SparseField>(coarser(*volume.field, shortAxes(volume.wsFromIs)));
+                volume.wsFromIs = placed * volume.field->wsFromIs;
+            }
+        return scene;
+    };
+    const PromisedDials chosen = promisedDials(fine, "standard", atLod);
+    ASSERT_GT(chosen.dials.lod.value_or(0), 0.2);
+    ViewScene scene = atLod(*chosen.dials.lod);
+    scene.dials = chosen.dials;
+    const Image image = render(scene, makePlan(scene, 2)).image;
+    EXPECT_LT(summarise(samplePixels(fine, image, 250, 3)).error, 1.5 * chosen.promised);
 }
 
 // No light shines, and yet there is something to be seen: fire, the sky's glow, or only what covers. Small balls of

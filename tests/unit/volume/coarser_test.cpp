@@ -43,11 +43,12 @@ int half(int v) {
     return v >= 0 ? v / 2 : -((1 - v) / 2);
 }
 
-Voxels bruteForce(const SparseField& field) {
+Voxels bruteForce(const SparseField& field, const HalvedAxes& halved) {
     Voxels out;
+    const double together = (halved[0] ? 2 : 1) * (halved[1] ? 2 : 1) * (halved[2] ? 2 : 1);
     for (const auto& [p, v] : voxels(field)) {
         const auto [x, y, z] = p;
-        out[{half(x), half(y), half(z)}] += v / 8;
+        out[{halved[0] ? half(x) : x, halved[1] ? half(y) : y, halved[2] ? half(z) : z}] += v / together;
     }
     return out;
 }
@@ -75,11 +76,16 @@ SparseField randomField(std::uint32_t seed) {
 
 // Neighbours exchange what interpolation would blur, so single values differ from the means, but not their places and
 // their sum. Tiles take no part.
-TEST(Coarser, HasTheMeansOfEightVoxelsInSumAlsoAtNegativeIndices) {
-    for (const std::uint32_t seed : {1u, 2u, 3u}) {
-        const SparseField fine = randomField(seed);
-        const SparseField coarse = coarser(fine);
-        const Voxels expected = bruteForce(fine), found = voxels(coarse);
+TEST(Coarser, HasTheMeansOfItsVoxelsInSumAlsoAtNegativeIndicesAndAlongSomeAxes) {
+    for (const std::uint32_t axes : {7u, 1u, 2u, 3u, 4u, 5u, 6u}) {
+        const HalvedAxes halved{(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
+        const SparseField fine = randomField(axes);
+        const SparseField coarse = coarser(fine, halved);
+        const Voxels expected = bruteForce(fine, halved), found = voxels(coarse);
+        for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_EQ(coarse.wsFromIs[axis][axis], halved[std::size_t(axis)] ? 2 : 1);
+            EXPECT_EQ(coarse.wsFromIs[3][axis], halved[std::size_t(axis)] ? 0.5 : 0);
+        }
         double sum = 0, means = 0;
         for (const auto& [p, v] : expected) means += v;
         for (const auto& [p, v] : found) {
@@ -93,9 +99,15 @@ TEST(Coarser, HasTheMeansOfEightVoxelsInSumAlsoAtNegativeIndices) {
 }
 
 // A wave of 16 voxels in a direction, interpolated between coarse voxels, keeps its amplitude within fourth order: with
-// w = pi / 8, means alone would lose 3/8 w^2 = 5.8 % of it, and 0.6 % are left of w^4.
+// w = pi / 8, means alone would lose 3/8 w^2 = 5.8 % of it, and 0.6 % are left of w^4. A wave along an axis that is not
+// halved stays as it is.
 TEST(Coarser, KeepsTheAmplitudeOfWaves) {
-    for (const Int3 way : {Int3(1, 0, 0), Int3(0, 1, 0), Int3(0, 0, 1)}) {
+    for (const auto& [way, halved] : {std::pair{Int3(1, 0, 0), kAllAxes},
+                                      {Int3(0, 1, 0), kAllAxes},
+                                      {Int3(0, 0, 1), kAllAxes},
+                                      {Int3(1, 0, 0), HalvedAxes{true, false, false}},
+                                      {Int3(0, 1, 0), HalvedAxes{false, true, false}},
+                                      {Int3(0, 0, 1), HalvedAxes{false, true, true}}}) {
         FieldBuilder builder("wave", Mat4(1.0));
         const double w = std::numbers::pi / 8;
         const auto wave = [&](double at) { return 2 + std::sin(w * at); };
@@ -110,7 +122,7 @@ TEST(Coarser, KeepsTheAmplitudeOfWaves) {
                     }
             builder.addBlock(origin, block.data());
         }
-        const Voxels coarse = voxels(coarser(builder.finish()));
+        const Voxels coarse = voxels(coarser(builder.finish(), halved));
         // The first harmonic of what is interpolated: that of the samples times sinc^2 of half a coarse voxel. Two
         // waves from the middle, away from the field's ends.
         double sine = 0, cosine = 0;
