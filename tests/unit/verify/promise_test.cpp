@@ -285,6 +285,22 @@ ViewScene surface(double radius, double bumps) {
     return scene;
 }
 
+TEST(PromisedDials, SayThatALampInOpaqueVoxelsIsNotExact) {
+    const auto said = [](const Vec3& place) {
+        ViewScene scene = surface(10, 0);
+        Light& lamp = scene.lights.front();
+        Light::Area sphere;
+        sphere.shape = AreaShape::sphere;
+        sphere.radius = 2;
+        lamp.kind = sphere;
+        lamp.wsPosition = place;
+        const PromisedDials chosen = promisedDials(scene, "standard");
+        return std::ranges::any_of(chosen.beyond, [](const auto& b) { return b.why.starts_with("surfaces touch"); });
+    };
+    EXPECT_TRUE(said({0, 0, 10}));   // half of it
+    EXPECT_FALSE(said({0, 0, 16}));  // beside the ball
+}
+
 // No other tells of grooves that throw shadows into each other.
 TEST(PilotPictures, ChooseFinerDialsForARoughSurfaceThanForASmoothOne) {
     const PromisedDials smooth = promisedDials(surface(12, 0), "standard"),

@@ -168,7 +168,8 @@ double surfaceCell(const ViewScene& scene) {
 // per voxel, too dense for the finest cells, beside a rectangle of 25 and with a lamp in it: 1.05 and 0.54 %.
 int leastForCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
     constexpr int kMany = 4, kManyAtEdges = 16, kManyInSolid = 64;
-    if (hasSurfaces(scene)) return kManyAtEdges;
+    // Points among surfaces need windows of directions, each with a sweep: 12 of a sphere in a scan had 300 buffers.
+    if (hasSurfaces(scene)) return isAmong(light, wsCorners) ? kMany : kManyAtEdges;
     double depth = 0;  // of one volume: what overlaps has no sharper edges
     for (const ViewVolume& v : scene.volumes)
         if (!v.field->empty()) depth = std::max(depth, mostDepth(v, voxelUnit(v)));
