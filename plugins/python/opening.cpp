@@ -75,7 +75,7 @@ void bindOpening(nb::module_& module) {
             "int] | None = None, up: collections.abc.Sequence[float] | None = None, turntable: int = 0, guarded: bool "
             "= "
             "True, checked_frame: int = 1) -> Shot"),
-        R"(Opens a scene (.toml) or an asset (.vdb, or a scan: .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm, a folder of DICOM files), which is framed and lit.
+        R"(Opens a scene (.toml) or an asset (.vdb, or a scan: .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .tif, .dcm, a folder of DICOM or TIFF slices), which is framed and lit.
 
 `overrides`: {'camera.fov': 20, 'light.key.color': [1, 0.8, 0.6]}, or the list ['camera.fov=20'] of `scrim --set`.
 `ocio`: an OpenColorIO config; '': $OCIO, or else Scrim's own.  `resolution`: width, height in place of the scene's.

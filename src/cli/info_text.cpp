@@ -178,7 +178,9 @@ std::string infoText(const ScanInfo& info) {
         text += fmt::format("  {:<16} {}\n", name, value);
     };
     row("samples", fmt::format("{} x {} x {} of {}", info.size.x, info.size.y, info.size.z, info.sampleType));
-    row("spacing", vectorText(Vec3(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]))));
+    const std::string spacing = vectorText(Vec3(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])));
+    row("spacing",
+        spacing + (info.unit.empty() ? "" : " " + info.unit) + (info.isSpaced ? "" : ", since the file does not say"));
     row("space", info.space.empty() ? "the file does not say" : info.space);
     row("world bounds", boundsText(transformed(info.wsFromIs, {Vec3(-0.5), Vec3(info.size) - 0.5})));
     row("translation", vectorText(Vec3(info.wsFromIs[3])));

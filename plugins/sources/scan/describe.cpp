@@ -54,7 +54,9 @@ int emit(const scrim_host* host, const Histogram& histogram) {
 int emitCorners(const scrim_host* host, const Scan& scan) {
     double worldFromIndex[16];
     worldFromIndexOf(scan, worldFromIndex);
-    const std::string name = "samples of " + scan.type + (scan.space.empty() ? "" : ", " + scan.space);
+    const std::string unit = scan.isSpaced ? scan.unit : "unknown steps";
+    const std::string name =
+        "samples of " + scan.type + (unit.empty() ? "" : " in " + unit) + (scan.space.empty() ? "" : ", " + scan.space);
     const int grid = host->add_grid(host, name.c_str(), worldFromIndex);
     if (grid < 0) return grid;
     std::int32_t last[3], origin[3], inside[3];

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads DICOM series with GDCM: the headers of all slices first, which decide what belongs together, where it lies and
-// whether anything is missing; then the samples, slice by slice. Whether the folder is one of the disk or comes in one
-// file (folderFiles) makes no difference from there on.
+// whether anything is missing; then the samples, slice by slice.
 #include "scan.h"
+#include "slice_files.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
@@ -23,31 +22,7 @@
 namespace scan {
 namespace {
 
-// The first line of a file that holds a folder's files (scrim_source.h).
-constexpr std::string_view kFolderMark = "scrim folder\n";
 constexpr const char* kNoDicom = "is not a DICOM file, or holds no picture";
-
-/// A file of a series: either of the disk, or a part of the file that holds all of them.
-struct SliceFile {
-    std::string name;                    ///< within the folder
-    std::string path;                    ///< of the file that is opened
-    std::int64_t begin = 0, bytes = -1;  ///< the part of it; -1: all
-
-    std::string contents() const {
-        std::ifstream in(path, std::ios::binary);
-        in.seekg(begin);
-        std::string text;
-        if (bytes < 0) {
-            std::ostringstream all;
-            all << in.rdbuf();
-            return std::move(all).str();
-        }
-        text.resize(static_cast<std::size_t>(bytes));
-        in.read(text.data(), bytes);
-        text.resize(static_cast<std::size_t>(in.gcount()));
-        return text;
-    }
-};
 
 /// What makes values of samples: Hounsfield units for CT.
 struct Line {
@@ -72,34 +47,6 @@ struct Slice {
     glm::dvec3 normal() const { return glm::cross(right, down); }
     double along(const glm::dvec3& axis) const { return glm::dot(position, axis); }
 };
-
-bool beginsAsDicom(const std::string& bytes) {
-    return bytes.size() >= 132 && bytes.compare(128, 4, "DICM") == 0;
-}
-
-/// The files in `path`, which holds those of a folder in the form that scrim_source.h describes.
-std::vector<SliceFile> bundledFiles(const std::string& path) {
-    std::vector<SliceFile> files;
-    std::ifstream in(path, std::ios::binary);
-    const std::int64_t all = fileBytes(path);
-    in.seekg(static_cast<std::streamoff>(kFolderMark.size()));
-    std::int64_t bytes = 0;
-    for (std::string name; in >> bytes && in.get() == ' ' && std::getline(in, name);) {
-        const auto begin = static_cast<std::int64_t>(in.tellg());
-        if (bytes < 0 || bytes > all - begin) refuse(path, "the folder's files are incomplete");
-        files.push_back({name, path, begin, bytes});
-        in.seekg(begin + bytes);
-    }
-    return files;
-}
-
-std::vector<SliceFile> filesIn(const std::string& folder) {
-    std::vector<SliceFile> files;
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.is_regular_file()) files.push_back({entry.path().filename().string(), entry.path().string()});
-    std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
-    return files;
-}
 
 template <typename Attribute>
 bool read(const gdcm::DataSet& data, Attribute& attribute) {
@@ -456,15 +403,6 @@ void addAll(const std::vector<Slice>& slices, const std::string& path, Scan& sca
 
 }  // namespace
 
-bool isFolder(const std::string& path) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) return true;
-    if (!std::filesystem::is_regular_file(path, ignored)) return false;  // a pipe would never begin
-    std::string start(kFolderMark.size(), '\0');
-    std::ifstream(path, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
-    return start == kFolderMark;
-}
-
 Scan readDicom(const std::string& path) {
     gdcm::Trace::DebugOff();
     gdcm::Trace::WarningOff();
@@ -474,13 +412,9 @@ Scan readDicom(const std::string& path) {
     const bool isOneFile = isDicomFile(path) && !std::filesystem::is_directory(own, ignored);
     if (isOneFile) fileBytes(path);
     const std::string folder = isOneFile ? (own.has_parent_path() ? own.parent_path().string() : ".") : path;
-    std::vector<SliceFile> files;
     const bool isBundled = !std::filesystem::is_directory(own, ignored) && isFolder(path);
-    if (isOneFile && !isBundled && !beginsAsDicom(SliceFile{"", path, 0, 132}.contents())) refuse(path, kNoDicom);
-    if (!isBundled)
-        files = filesIn(folder);
-    else
-        files = bundledFiles(path);
+    if (isOneFile && !isBundled && !beginsAsDicom(SliceFile{"", path}.contents(kStart))) refuse(path, kNoDicom);
+    const std::vector<SliceFile> files = filesIn(isBundled ? path : folder);
     std::vector<Slice> slices = seriesOf(files, isOneFile ? own.filename().string() : "", path);
     checkStack(slices, path);
     if (slices.front().frames > 1) slices = framesOf(slices.front(), path);

@@ -13,6 +13,8 @@ Scan cropped(const Scan& scan, const Size& from, const Size& to) {
         out.size[static_cast<std::size_t>(k)] = to[static_cast<std::size_t>(k)] - from[static_cast<std::size_t>(k)];
     out.type = scan.type;
     out.space = scan.space;
+    out.unit = scan.unit;
+    out.isSpaced = scan.isSpaced;
     out.axes = scan.axes;
     out.origin = scan.origin + scan.axes * glm::dvec3(from[0], from[1], from[2]);
     out.values.reserve(static_cast<std::size_t>(out.size[0] * out.size[1] * out.size[2]));
@@ -29,6 +31,8 @@ Scan halved(const Scan& scan, int axis) {
     Scan out;
     out.type = scan.type;
     out.space = scan.space;
+    out.unit = scan.unit;
+    out.isSpaced = scan.isSpaced;
     out.size = scan.size;
     out.size[a] = (scan.size[a] + 1) / 2;
     out.axes = scan.axes;

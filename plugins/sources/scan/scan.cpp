@@ -13,8 +13,10 @@
 //   .mrc .map     MRC and CCP4 maps; a world unit is an angstrom
 //   .ccp4 .rec    the same
 //   .vti          VTK image data, as text or bytes, deflated by zlib or not
+//   .tif .tiff    TIFF: a stack of pages; where the name has a '*', which stands for any characters, all files of such
+//                 names, a page each, sorted by the number in their names
 //   .dcm .dicom   DICOM: the series in the file's folder that the file belongs to, sorted by the slices' positions
-//   a folder      DICOM: the only series in it
+//   a folder      DICOM: the only series in it; or TIFF: all files in it, as above
 //   others        raw samples, x fastest; gzipped where the name ends in .gz
 // A header states size, type, byte order and place itself, so the parameters marked raw must not be given then. Its
 // place is kept: NRRD's space directions and origin (or spacings), NIfTI's sform, else its qform, else its spacings, in
@@ -27,10 +29,11 @@
 //   type         raw: uint8, int8, uint16, int16, uint32, int32, float, double, uint64, int64 or half
 //   endian       raw: little or big
 //   header       raw: bytes before the first sample
-//   component    NRRD and NIfTI of four dimensions: which volume, from 0 on; -1: the file must hold one only
+//   component    NRRD and NIfTI of four dimensions, TIFF of several channels and frames: which volume, from 0 on; -1:
+//                the file must hold one only
 //   space        LPS (x to the patient's left, y to the back, z up: DICOM's) or RAS (right, front, up: NIfTI's): turns
-//   what
-//                the file places in the other one, so that scans of one patient lie together; file: as the file has it
+//                what the file places in the other one, so that scans of one patient lie together; file: as the file
+//                has it
 //   spacing      distance between samples along x, y, z, in world units; 0, 0, 0: that of the file, or 1
 //   orientation  true: axes as the file turns them; false: along the world's, with the file's spacings
 //   center       true: moves the middle of the volume to the origin; false: keeps it where the file says
@@ -56,6 +59,7 @@
 #include "describe.h"
 #include "edit.h"
 #include "scan.h"
+#include "slice_files.h"
 
 #include <scrim/volume/scrim_source.h>
 
@@ -99,8 +103,9 @@ enum {
 // 'auto' means what a header says, and for raw files the first of the other words.
 constexpr scrim_parameter kParameters[kCount] = {
     {"file", SCRIM_STRING, "", 0, 0, nullptr,
-     "path of a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm or raw file, or of a folder of "
-     "DICOM"},
+     "path of a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .tif, .dcm or raw file, or of a "
+     "folder "
+     "of DICOM or TIFF slices"},
     {"size", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "raw: samples along x, y, z"},
     {"type", SCRIM_STRING, "auto", 0, 0, "auto|uint8|int8|uint16|int16|uint32|int32|float|double|uint64|int64|half",
      "raw: type of samples; auto: uint8"},
@@ -165,7 +170,8 @@ Scan readFile(const scrim_value* values) {
     const std::string path = values[kFile].text, name = lowerCase(path);
     if (path.empty())
         throw std::runtime_error(
-            "expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm or raw file, "
+            "expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .tif, .dcm or raw "
+            "file, "
             "or a folder");
     const bool nrrd = name.ends_with(".nrrd") || name.ends_with(".nhdr");
     const bool nifti = name.ends_with(".nii") || name.ends_with(".nii.gz") || name.ends_with(".hdr");
@@ -179,8 +185,12 @@ Scan readFile(const scrim_value* values) {
     if (name.ends_with(".vti")) reader = readVti;
     for (const char* ending : {".mrc", ".map", ".ccp4", ".rec"})
         if (name.ends_with(ending)) reader = readMrc;
+    const bool isTiff = isTiffFile(path) && !isFolder(path) && !isPattern(path);
+    if (isTiff) reader = [&](const std::string& file) { return readTiff(file, component); };
     if (isDicomFile(path) || isFolder(path)) reader = readDicom;
-    if (component >= 0 && !nrrd && !nifti) refuse(path, "'component' is for NRRD and NIfTI files only");
+    if (isPattern(path) || (isFolder(path) && holdsTiffSlices(path))) reader = readTiffSlices;
+    if (component >= 0 && !nrrd && !nifti && !isTiff)
+        refuse(path, "'component' is for NRRD, NIfTI and TIFF files only");
     if (!reader) return readRawFile(path, values);
     const std::string_view automatic = "auto";
     const char* given = !isZero(values[kSize])              ? "size"
@@ -348,6 +358,9 @@ int emit(const scrim_host* host, const Scan& scan) {
 int generate(const scrim_host* host, const scrim_value* values) {
     try {
         Scan scan = readFile(values);
+        if (!scan.isSpaced && isZero(values[kSpacing]))
+            scan.notes.push_back(fmt::format("{}: does not say how far its samples are apart: 1; 'spacing' sets it",
+                                             values[kFile].text));
         for (const std::string& note : scan.notes) host->warn(host, note.c_str());
         turn(scan, values[kSpace].text);
         rescale(scan, values[kRescale].text);
@@ -370,7 +383,7 @@ int generate(const scrim_host* host, const scrim_value* values) {
 constexpr scrim_source kSource = {SCRIM_SOURCE_ABI,
                                   sizeof(scrim_source),
                                   "scan",
-                                  "scans and other dense volumes: NRRD, NIfTI, DICOM or raw samples",
+                                  "scans and other dense volumes: NRRD, NIfTI, DICOM, TIFF or raw samples",
                                   kParameters,
                                   kCount,
                                   sizeof(scrim_parameter),

@@ -23,6 +23,8 @@ struct Scan {
     glm::dvec3 origin{0};       ///< position of the first sample
     std::string type;           ///< type of the samples in the file: "uint8", "float", ...
     std::string space;          ///< directions of x, y and z: "right-anterior-superior"; "": the file does not say
+    std::string unit;           ///< of the world: "micron"; "": the file does not say, or its format has one
+    bool isSpaced = true;       ///< the file says how far samples are apart
     std::vector<std::string> notes;  ///< what a user should know: "PATH: its slices are ... apart: resampled to ..."
     std::size_t indexOf(std::int64_t x, std::int64_t y, std::int64_t z) const {
         return static_cast<std::size_t>((z * size[1] + y) * size[0] + x);
@@ -78,10 +80,12 @@ std::vector<float> samplesIn(const std::string& bytes, const RawLayout& layout);
 void checkWithin(const std::string& name, const std::string& path);
 
 /// Read a whole file, with the type, size and place that its header states: NRRD through Teem, NIfTI-1 and -2, in
-/// one file or a pair of them, through the NIfTI library. Of several volumes in a file, `component` is the number of
-/// the one that is read; -1: the file must hold one only.
+/// one file or a pair of them, through the NIfTI library. Of several volumes in a file
+/// (for TIFF: channels, which change first, and frames), `component` is the number of the one that is read; -1: the
+/// file must hold one only.
 Scan readNrrd(const std::string& path, std::int64_t component);
 Scan readNifti(const std::string& path, std::int64_t component);
+Scan readTiff(const std::string& path, std::int64_t component);
 Scan readMetaImage(const std::string& path);
 Scan readNumpy(const std::string& path);
 Scan readMrc(const std::string& path);
@@ -96,7 +100,13 @@ void checkComponent(std::int64_t component, std::int64_t count, const std::strin
 Scan readDicom(const std::string& path);
 /// True for names that end in .dcm or .dicom.
 bool isDicomFile(const std::string& path);
-/// True for folders, and for files that hold one.
-bool isFolder(const std::string& path);
+
+/// Reads TIFF files of one page each, sorted by the number in their names: all of a folder, or those that match a
+/// pattern (slice_files.h). Files that differ in size, or among which one is missing, are refused.
+Scan readTiffSlices(const std::string& path);
+/// True for names that end in .tif or .tiff.
+bool isTiffFile(const std::string& path);
+/// True for a folder that holds TIFF files and no DICOM.
+bool holdsTiffSlices(const std::string& folder);
 
 }  // namespace scan

@@ -88,22 +88,43 @@ std::optional<std::string> folderOf(const std::string& path, const OpenFile& fil
     return folder.empty() ? "." : folder.string();
 }
 
-/// A file that holds the DICOM files of a folder, as scrim_source.h describes it, because a child cannot open the
-/// folder. Only their names and first bytes are looked at here.
+/// True where these are the first bytes of a TIFF file, of either order and either width of offsets.
+bool beginsAsTiff(std::string_view bytes) {
+    return bytes.starts_with(std::string_view("II*\0", 4)) || bytes.starts_with(std::string_view("MM\0*", 4)) ||
+           bytes.starts_with(std::string_view("II+\0", 4)) || bytes.starts_with(std::string_view("MM\0+", 4));
+}
+
+/// True where a file's name stands for those of several, and there is no file of that name.
+bool isPattern(const std::string& path) {
+    std::error_code ignored;
+    return std::filesystem::path(path).filename().string().find('*') != std::string::npos &&
+           !std::filesystem::exists(path, ignored);
+}
+
+/// A file that holds the slices of a folder, as scrim_source.h describes it, because a child cannot open the folder.
+/// Only their names and first bytes are looked at here.
 class FolderFile {
   public:
-    /// Throws Error where a file cannot be read, or where they are too many.
-    FolderFile(const std::string& folder, const Checkpoint& checkpoint) : m_file(createTransfer()) {
+    /// The DICOM files of a folder, or its TIFF files where it has none; of the TIFF files only those whose names
+    /// may match `pattern`, unless it is "". Throws Error where a file cannot be read, or where they are too many.
+    FolderFile(const std::string& folder, const std::string& pattern, const Checkpoint& checkpoint)
+        : m_file(createTransfer()) {
         std::error_code error;
-        std::vector<std::filesystem::path> paths;
-        for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-            if (at->is_regular_file(error)) paths.push_back(at->path());
-        if (error) throw Error(ErrorKind::input, fmt::format("{}: {}", folder, error.message()));
+        std::vector<std::filesystem::path> dicom, tiff;
+        for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+            if (checkpoint) checkpoint();
+            if (!at->is_regular_file(error) || !mayMatch(at->path().filename().string(), pattern)) continue;
+            const std::string start = startOf(at->path());
+            if (beginsAsDicom(start) && pattern.empty()) dicom.push_back(at->path());
+            if (beginsAsTiff(start)) tiff.push_back(at->path());
+        }
+        if (error && pattern.empty()) throw Error(ErrorKind::input, fmt::format("{}: {}", folder, error.message()));
+        std::vector<std::filesystem::path>& paths = dicom.empty() ? tiff : dicom;
         std::sort(paths.begin(), paths.end());
         add("scrim folder\n", folder);
         for (const std::filesystem::path& path : paths) {
             if (checkpoint) checkpoint();
-            addDicom(path);
+            addFile(path);
         }
     }
     int fd() const { return m_file.fd(); }
@@ -119,16 +140,24 @@ class FolderFile {
                         fmt::format("{}: cannot be copied for its reader: {}", path, systemErrorText(errno)));
         m_size += bytes.size();
     }
-    void addDicom(const std::filesystem::path& path) {
-        std::ifstream in(path, std::ios::binary);
-        std::string bytes(kDicomStart, '\0');
+    void addFile(const std::filesystem::path& path) {
         const std::string name = path.filename().string();
-        if (!in.read(bytes.data(), std::streamsize(bytes.size())) || !beginsAsDicom(bytes) ||
-            name.find('\n') != std::string::npos)
-            return;
-        bytes.append(std::istreambuf_iterator<char>(in), {});
+        std::ifstream in(path, std::ios::binary);
+        const std::string bytes(std::istreambuf_iterator<char>(in), {});
+        if (name.find('\n') != std::string::npos) return;
         add(fmt::format("{} {}\n", bytes.size(), name), path.string());
         add(bytes, path.string());
+    }
+    static std::string startOf(const std::filesystem::path& path) {
+        std::string bytes(kDicomStart, '\0');
+        std::ifstream(path, std::ios::binary).read(bytes.data(), std::streamsize(bytes.size()));
+        return bytes;
+    }
+    /// The source has the last word.
+    static bool mayMatch(const std::string& name, const std::string& pattern) {
+        const std::size_t first = pattern.find('*'), last = pattern.rfind('*');
+        return pattern.empty() ||
+               (name.starts_with(pattern.substr(0, first)) && name.ends_with(pattern.substr(last + 1)));
     }
 
     Descriptor m_file;
@@ -356,12 +385,16 @@ std::vector<SparseField> guardedSource(const std::string& source, const SourcePa
     std::optional<FolderFile> files;
     std::optional<OpenFile> file;
     std::error_code ignored;
-    if (!std::filesystem::is_directory(path, ignored)) {
+    const std::filesystem::path own(path);
+    const bool isMany = isPattern(path);
+    if (!isMany && !std::filesystem::is_directory(path, ignored)) {
         file.emplace(path);
         if (!file->problem().empty()) throw Error(ErrorKind::input, fmt::format("{}: {}", what, file->problem()));
     }
-    const std::optional<std::string> folder = file ? folderOf(path, *file) : path;
-    if (folder) files.emplace(*folder, checkpoint);
+    if (isMany)
+        files.emplace(own.has_parent_path() ? own.parent_path().string() : ".", own.filename().string(), checkpoint);
+    else if (const std::optional<std::string> folder = file ? folderOf(path, *file) : path)
+        files.emplace(*folder, "", checkpoint);
     const int input = files ? files->fd() : file->fd();
     const std::uint64_t size = files ? files->size() : file->size();
     LoadRequest request{"source", path, {}, source, parameters};

@@ -15,6 +15,8 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include <fnmatch.h>
+
 namespace scrim {
 namespace {
 
@@ -68,13 +70,19 @@ std::vector<double> coarser(const std::vector<double>& counts, std::size_t bins)
     return out;
 }
 
-/// The bytes of a file, or of all files in a folder.
+/// The bytes of a file, of all files in a folder, or of those whose names match a pattern.
 std::uint64_t bytesOf(const std::string& path) {
     std::error_code error;
     std::uint64_t sum = 0;
     if (const auto bytes = std::filesystem::file_size(path, error); !error) return bytes;
-    for (std::filesystem::directory_iterator at(path, error), end; !error && at != end; at.increment(error))
-        if (const auto bytes = at->file_size(error); !error)
+    const std::filesystem::path own(path);
+    const bool isFolder = std::filesystem::is_directory(own, error);
+    const std::filesystem::path folder = isFolder ? own : own.has_parent_path() ? own.parent_path() : ".";
+    const std::string pattern = isFolder ? "*" : own.filename().string();
+    for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+        if (::fnmatch(pattern.c_str(), at->path().filename().c_str(), 0) != 0)
+            continue;
+        else if (const auto bytes = at->file_size(error); !error)
             sum += bytes;
         else
             error.clear();
@@ -85,8 +93,8 @@ std::uint64_t bytesOf(const std::string& path) {
 
 bool isScanFile(const std::string& path) {
     const std::string name = lowerCase(path);
-    constexpr std::array kEndings{".nrrd", ".nhdr", ".nii", ".nii.gz", ".hdr", ".mha",  ".mhd",
-                                  ".npy",  ".mrc",  ".vti", ".ccp4",   ".dcm", ".dicom"};
+    constexpr std::array kEndings{".nrrd", ".nhdr", ".nii",  ".nii.gz", ".hdr",   ".mha", ".mhd", ".npy",
+                                  ".mrc",  ".vti",  ".ccp4", ".dcm",    ".dicom", ".tif", ".tiff"};
     std::error_code ignored;
     if (isPointFile(path)) return false;
     return std::any_of(kEndings.begin(), kEndings.end(), [&](const char* ending) { return name.ends_with(ending); }) ||
@@ -110,6 +118,12 @@ ScanInfo loadScanInfo(const std::string& path, const LoadOptions& options, const
     if (const std::size_t comma = info.sampleType.find(", "); comma != std::string::npos) {
         info.space = info.sampleType.substr(comma + 2);
         info.sampleType.resize(comma);
+    }
+    if (const std::size_t in = info.sampleType.find(" in "); in != std::string::npos) {
+        info.unit = info.sampleType.substr(in + 4);
+        info.sampleType.resize(in);
+        info.isSpaced = info.unit != "unknown steps";
+        if (!info.isSpaced) info.unit.clear();
     }
     info.wsFromIs = ends.wsFromIs;
     // The grid has values only at both ends of the lattice; the last of them is at the lattice's end.
@@ -163,6 +177,8 @@ std::string toJson(const ScanInfo& info) {
                       {"file_bytes", info.fileBytes},
                       {"sample_type", info.sampleType},
                       {"space", info.space},
+                      {"unit", info.unit},
+                      {"spaced", info.isSpaced},
                       {"size", {info.size.x, info.size.y, info.size.z}},
                       {"world_from_index", matrix},
                       {"min_value", info.minValue},

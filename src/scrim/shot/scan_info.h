@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contents of a scan (NRRD, NIfTI, DICOM) and estimates of where its materials begin. This is plain data, made from
-// what the volume source `scan` returns for a file with its parameter `describe`.
+// The contents of a scan (NRRD, NIfTI, DICOM, TIFF) and estimates of where its materials begin. This is plain data,
+// made from what the volume source `scan` returns for a file with its parameter `describe`.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -18,6 +18,8 @@ struct ScanInfo {
     std::uint64_t fileBytes = 0;
     std::string sampleType;  ///< "uint8", "int16", "float", ...
     std::string space;       ///< directions of x, y and z: "right-anterior-superior"; "": the file does not say
+    std::string unit;        ///< of the world, as the file has it: "micron"; "": not stated, or its format's own
+    bool isSpaced = true;    ///< the file says how far samples are apart
     Int3 size{1};            ///< number of samples along each axis
     Mat4 wsFromIs{1.0};
     double minValue = 0, maxValue = 0;  ///< over the finite samples
@@ -28,8 +30,8 @@ struct ScanInfo {
     double valueOf(std::size_t bin) const { return minValue + double(bin) * binWidth; }
 };
 
-/// True for names that end in .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .ccp4, .dcm or .dicom,
-/// and for folders, which may hold a series, unless they are named like another file (.vdb, .nvdb).
+/// True for names that end in .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .ccp4, .dcm, .dicom,
+/// .tif or .tiff, and for folders, which may hold a series, unless they are named like another file (.vdb, .nvdb).
 bool isScanFile(const std::string& path);
 
 /// Reads the whole file. Throws Error as `sourceFields` (load_fields.h).

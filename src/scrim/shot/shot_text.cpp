@@ -37,11 +37,11 @@ ShotText::ShotText(const std::string& path, const std::vector<std::string>& over
     if (const ForeignFormat* const format = foreignFormat(path))
         throw Error(ErrorKind::input, fmt::format("{}: {}", shortened(path), textOf(*format)));
     if (!m_asset && lowerExtension(path) != ".toml")
-        throw Error(
-            ErrorKind::usage,
-            fmt::format("{}: expected a scene (.toml), an asset (.vdb, .nvdb, .ply) or a scan (.nrrd, "
-                        ".nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm, or a folder of DICOM files)",
-                        shortened(path)));
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: expected a scene (.toml), an asset (.vdb, .nvdb, .ply) or a scan (.nrrd, "
+                                ".nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .tif, .dcm, or a folder of "
+                                "DICOM or TIFF slices)",
+                                shortened(path)));
     if (m_asset) {
         // Until the asset is loaded, its scene lacks the numbers that depend on it.
         m_asAsset.resolution = options.resolution.value_or(m_asAsset.resolution);

@@ -20,14 +20,11 @@ struct ForeignFormat {
 inline const ForeignFormat* foreignFormat(std::string_view path) {
     constexpr std::string_view kToNrrd = "convert it to NRRD or NIfTI (3D Slicer, ITK and ParaView do)";
     constexpr std::string_view kToVdb = "convert it to .vdb";
-    constexpr std::string_view kSlices = "put its slices together as NRRD or NIfTI (3D Slicer and Fiji do)";
-    static constexpr std::array<ForeignFormat, 9> kFormats{{
+    static constexpr std::array<ForeignFormat, 7> kFormats{{
         {".vtk", "a legacy VTK file", kToNrrd},
         {".vtu", "a VTK unstructured grid", kToVdb},
         {".mgz", "a FreeSurfer volume", "convert it to NIfTI (mri_convert does)"},
         {".mnc", "MINC", "convert it to NIfTI (mnc2nii does)"},
-        {".tif", "a TIFF stack", kSlices},
-        {".tiff", "a TIFF stack", kSlices},
         {".bgeo", "Houdini geometry", "save its volumes as .vdb"},
         {".f3d", "Field3D", kToVdb},
         {".h5", "HDF5", kToNrrd},

@@ -49,7 +49,9 @@
  * If `file` names a folder, or one DICOM file (.dcm, .dicom) of a folder, then there the source finds under that name
  * one file that holds the folder's DICOM files: the line "scrim folder", and for each of them a line "SIZE NAME",
  * sorted by name, followed by its SIZE bytes. Elsewhere it finds the folder itself. A file that is not DICOM, although
- * its name says so, is found as it is.
+ * its name says so, is found as it is. A folder without DICOM files is passed with its TIFF files in the same way. So
+ * is a name with a '*', which stands for any characters, where no file has it: one file that holds the TIFF files of
+ * such names, and perhaps others.
  */
 #ifndef SCRIM_SOURCE_H
 #define SCRIM_SOURCE_H

@@ -256,7 +256,7 @@ TEST_F(ScanFormats, OneVolumeOfFourDimensionsIsTakenByNumber) {
         EXPECT_EQ(refused(path, {{"component", "2"}}), path + ": holds 2 volumes, and no component 2");
     }
     EXPECT_EQ(refused(write("a.npy", "x"), {{"component", "0"}}),
-              file("a.npy") + ": 'component' is for NRRD and NIfTI files only");
+              file("a.npy") + ": 'component' is for NRRD, NIfTI and TIFF files only");
 }
 
 TEST_F(ScanFormats, ScansOfOnePatientLieTogetherInOneSpace) {

@@ -193,9 +193,9 @@ TEST_F(ScanRaw, CompressionThatCannotHoldSoMuchIsRefusedBeforeReading) {
 }
 
 TEST_F(ScanRaw, WhatIsNoFileIsRefused) {
-    EXPECT_EQ(
-        reason("scan", {}),
-        "expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm or raw file, or a folder");
+    EXPECT_EQ(reason("scan", {}),
+              "expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .tif, .dcm or raw "
+              "file, or a folder");
     for (const char* name : {"none.raw", "none.nrrd", "none.nii.gz"})
         EXPECT_EQ(reason("scan", {{"file", file(name)}, {"size", name[5] == 'r' ? "1,1,1" : "0,0,0"}}),
                   file(name) + ": there is no such file");

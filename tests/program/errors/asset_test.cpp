@@ -4,6 +4,7 @@
 
 #include "support/data.h"
 #include "support/dicom_files.h"
+#include "support/tiff_files.h"
 
 #include <scrim/image/exr_read.h>
 
@@ -303,6 +304,25 @@ TEST_F(Asset, InfoShowsAScan) {
     // Between air, shell and core.
     EXPECT_NEAR(json.at("soft").get<double>(), 51, 2);
     EXPECT_NEAR(json.at("solid").get<double>(), 150, 2);
+}
+
+TEST_F(Asset, TiffStacksAndSlicesAreShownAndRendered) {
+    std::filesystem::create_directories(file("slices"));
+    for (std::size_t z = 0; z < 16; ++z) write(fmt::format("slices/ball_{}.tif", z), ballSlice(z).bytes());
+    write("cells.tif", ballPages().bytes());
+    const std::string text = runWell({"info", "cells.tif"}).out;
+    for (const char* part : {"16 x 16 x 16 of uint8\n", "[1, 1, 2] micron", "0 to 200", "veil from"})
+        EXPECT_TRUE(contains(text, part)) << part << "\n" << text;
+    EXPECT_EQ(nlohmann::json::parse(runWell({"info", "cells.tif", "--json"}).out).at("unit"), "micron");
+    for (const char* name : {"slices", "slices/ball_*.tif"}) {
+        const std::string slices = runWell({"info", name}).out;
+        for (const std::string& part :
+             {std::string("16 x 16 x 16 of uint8\n"), std::string("[1, 1, 1], since the file does not say\n"),
+              fmt::format(" {}\n", 16 * ballSlice(0).bytes().size())})
+            EXPECT_TRUE(contains(slices, part)) << part << "\n" << slices;
+        runWell({"render", name, "-o", "ball.exr", "--res", "16x16", "--quality", "draft"});
+    }
+    EXPECT_TRUE(contains(printed({"slices/ball_*.tif"}), "name = \"ball\"\n"));
 }
 
 TEST_F(Asset, FormatsThatAreNotReadAreNamed) {

@@ -309,9 +309,10 @@ TEST_F(CliErrors, UnknownQualityListsThePresets) {
 }
 
 TEST_F(CliErrors, UnknownKindOfInputIsUsage) {
-    expectFailure({"render", "smoke.png"}, kUsage,
-                  "smoke.png: expected a scene (.toml), an asset (.vdb, .nvdb, .ply) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
-                  ".hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm, or a folder of DICOM files)");
+    expectFailure(
+        {"render", "smoke.png"}, kUsage,
+        "smoke.png: expected a scene (.toml), an asset (.vdb, .nvdb, .ply) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
+        ".hdr, .mha, .mhd, .npy, .mrc, .vti, .tif, .dcm, or a folder of DICOM or TIFF slices)");
 }
 
 TEST_F(CliErrors, NoInputIsUsage) {

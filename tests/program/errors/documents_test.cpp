@@ -6,6 +6,7 @@
 
 #include "support/data.h"
 #include "support/dicom_files.h"
+#include "support/tiff_files.h"
 
 #include <algorithm>
 #include <fstream>
@@ -207,6 +208,9 @@ class Documents : public ProgramTest {
                 samples[i] = static_cast<char>(200);
         fs::create_directory(file("ct"));
         for (int z = 0; z < 16; ++z) write(fmt::format("ct/{:02}.dcm", z), bodySlice(z).bytes());
+        write("cells.tif", ballPages().bytes());
+        fs::create_directory(file("slices"));
+        for (std::size_t z = 0; z < 16; ++z) write(fmt::format("slices/cell_C1_{}.tif", z), ballSlice(z).bytes());
         write("head.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 16 16 16\nencoding: raw\n\n" + samples);
     }
 

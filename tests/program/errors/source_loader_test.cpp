@@ -14,6 +14,7 @@
 #include "support/expect_error.h"
 #include "support/loader_processes.h"
 #include "support/source_files.h"
+#include "support/tiff_files.h"
 
 #include <algorithm>
 #include <atomic>
@@ -168,6 +169,24 @@ TEST_F(SourceLoader, ReadsSeriesOfFilesAsThisProcessDoes) {
     expectSameRefusal("scan", "series");
     write("series/a.dcm", "nothing");
     for (const char* name : {"series/a.dcm", "series/none.dcm"}) expectSameRefusal("scan", name);
+}
+
+TEST_F(SourceLoader, ReadsStacksAndSlicesOfTiffAsThisProcessDoes) {
+    write("stack.tif", countingPages().bytes());
+    expectSameFields("scan", "stack.tif");
+    std::filesystem::create_directories(file("slices"));
+    for (int z = 0; z < 4; ++z) {
+        write("slices/a" + std::to_string(8 + z) + ".tif", countingPages(z, 1).bytes());
+        write("slices/b" + std::to_string(z) + ".tif", countingPages(z, 1).bytes());
+    }
+    expectSameRefusal("scan", "slices");
+    for (const char* name : {"slices/a*.tif", "slices/b*.tif"}) expectSameFields("scan", name);
+    for (const char* name : {"slices/c*.tif", "none/c*.tif"}) expectSameRefusal("scan", name);
+    std::filesystem::remove(file("slices/a9.tif"));
+    expectSameRefusal("scan", "slices/a*.tif");
+    // DICOM comes first, and TIFF files are none of its business.
+    for (int z = 0; z < 4; ++z) write("slices/" + std::to_string(9 - z), countingSlice(z).bytes());
+    expectSameFields("scan", "slices");
 }
 
 // A folder's DICOM files of more than 16 GB are refused, but not for the sake of a file that is none.

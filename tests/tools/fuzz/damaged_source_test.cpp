@@ -9,6 +9,7 @@
 
 #include "support/dicom_files.h"
 #include "support/source_files.h"
+#include "support/tiff_files.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -58,7 +59,18 @@ std::vector<Kind> kinds() {
     DicomSlice frames = countingFrames();
     frames.modality = DicomSlice::kEnhancedCt;
     frames.framePositions = {"10\\20\\33", "10\\20\\30", "10\\20\\39", "10\\20\\36"};
+    TiffPages plain;
+    plain.columns = plain.rows = 12;
+    plain.description = "ImageJ=1.54\nimages=12\nslices=12\nunit=um\nspacing=2\n";
+    for (std::size_t z = 0; z < 12; ++z) plain.pages.push_back(samples().substr(144 * z, 144));
+    const std::string tiffs = std::string(SCRIM_FUZZ_TIFFS) + "/";
     return {
+        {"scan", "plain.tif", plain.bytes(), ""},
+        {"scan", "lzw.tif", readBytes(tiffs + "pillow_lzw.tif"), ""},
+        {"scan", "deflated.tif", readBytes(tiffs + "pillow_adobe_deflate.tif"), ""},
+        {"scan", "floats.tif", readBytes(tiffs + "pillow_float_differences.tif"), ""},
+        {"scan", "tiles.tif", readBytes(tiffs + "tiles.tif"), ""},
+        {"scan", "ome.tif", readBytes(tiffs + "ome.tif"), ""},
         {"scan", "raw.nrrd", head + "encoding: raw\n\n" + samples(), ""},
         {"scan", "gzip.nrrd", head + "encoding: gzip\n\n" + packed, ""},
         {"scan", "text.nrrd", head + "encoding: ascii\n\n" + text, ""},

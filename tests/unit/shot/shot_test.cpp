@@ -156,7 +156,7 @@ TEST_F(ShotTest, RefusesOverridesThatNobodyReads) {
     EXPECT_EQ(
         errorOf(ErrorKind::usage, [&] { Shot::open("shot.yaml"); }),
         "shot.yaml: expected a scene (.toml), an asset (.vdb, .nvdb, .ply) or a scan (.nrrd, .nhdr, .nii, .nii.gz, "
-        ".hdr, .mha, .mhd, .npy, .mrc, .vti, .dcm, or a folder of DICOM files)");
+        ".hdr, .mha, .mhd, .npy, .mrc, .vti, .tif, .dcm, or a folder of DICOM or TIFF slices)");
 }
 
 TEST_F(ShotTest, TakesFurtherOverridesAndRefusesThoseThatAreWrong) {
