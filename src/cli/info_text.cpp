@@ -181,6 +181,8 @@ std::string infoText(const ScanInfo& info) {
     const std::string spacing = vectorText(Vec3(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])));
     row("spacing",
         spacing + (info.unit.empty() ? "" : " " + info.unit) + (info.isSpaced ? "" : ", since the file does not say"));
+    if (info.sampleType.starts_with("RGB of "))
+        row("colours", "albedo = { grid = \"color\", colorspace = \"lin_rec709\" } takes them");
     row("space", info.space.empty() ? "the file does not say" : info.space);
     row("world bounds", boundsText(transformed(info.wsFromIs, {Vec3(-0.5), Vec3(info.size) - 0.5})));
     row("translation", vectorText(Vec3(info.wsFromIs[3])));

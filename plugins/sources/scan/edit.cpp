@@ -6,54 +6,75 @@
 #include <limits>
 
 namespace scan {
+namespace {
 
-Scan cropped(const Scan& scan, const Size& from, const Size& to) {
+/// A scan of which all but size, place and samples is that of `scan`.
+Scan alike(const Scan& scan) {
     Scan out;
-    for (int k = 0; k < 3; ++k)
-        out.size[static_cast<std::size_t>(k)] = to[static_cast<std::size_t>(k)] - from[static_cast<std::size_t>(k)];
     out.type = scan.type;
     out.space = scan.space;
     out.unit = scan.unit;
     out.isSpaced = scan.isSpaced;
+    return out;
+}
+
+/// Makes the values of `out`, and its colours, of those of `scan`: `made` makes one vector of one.
+template <typename Make>
+void makeAll(const Scan& scan, const Make& made, Scan& out) {
+    out.values = made(scan.values);
+    for (std::size_t c = 0; c < 3; ++c)
+        if (!scan.colours[c].empty()) out.colours[c] = made(scan.colours[c]);
+}
+
+}  // namespace
+
+Scan cropped(const Scan& scan, const Size& from, const Size& to) {
+    Scan out = alike(scan);
+    for (std::size_t k = 0; k < 3; ++k) out.size[k] = to[k] - from[k];
     out.axes = scan.axes;
     out.origin = scan.origin + scan.axes * glm::dvec3(from[0], from[1], from[2]);
-    out.values.reserve(static_cast<std::size_t>(out.size[0] * out.size[1] * out.size[2]));
-    for (std::int64_t z = from[2]; z < to[2]; ++z)
-        for (std::int64_t y = from[1]; y < to[1]; ++y) {
-            const auto row = scan.values.begin() + static_cast<std::ptrdiff_t>(scan.indexOf(from[0], y, z));
-            out.values.insert(out.values.end(), row, row + static_cast<std::ptrdiff_t>(out.size[0]));
-        }
+    const auto made = [&](const std::vector<float>& all) {
+        std::vector<float> kept;
+        kept.reserve(static_cast<std::size_t>(out.size[0] * out.size[1] * out.size[2]));
+        for (std::int64_t z = from[2]; z < to[2]; ++z)
+            for (std::int64_t y = from[1]; y < to[1]; ++y) {
+                const auto row = all.begin() + static_cast<std::ptrdiff_t>(scan.indexOf(from[0], y, z));
+                kept.insert(kept.end(), row, row + static_cast<std::ptrdiff_t>(out.size[0]));
+            }
+        return kept;
+    };
+    makeAll(scan, made, out);
     return out;
 }
 
 Scan halved(const Scan& scan, int axis) {
     const auto a = static_cast<std::size_t>(axis);
-    Scan out;
-    out.type = scan.type;
-    out.space = scan.space;
-    out.unit = scan.unit;
-    out.isSpaced = scan.isSpaced;
+    Scan out = alike(scan);
     out.size = scan.size;
     out.size[a] = (scan.size[a] + 1) / 2;
     out.axes = scan.axes;
+    out.origin = scan.origin;
     if (scan.size[a] > 1) {
         out.axes[axis] *= 2.0;
-        out.origin = scan.origin + 0.5 * scan.axes[axis];
-    } else {
-        out.origin = scan.origin;
+        out.origin += 0.5 * scan.axes[axis];
     }
-    out.values.reserve(static_cast<std::size_t>(out.size[0] * out.size[1] * out.size[2]));
-    Size p{};
-    for (p[2] = 0; p[2] < out.size[2]; ++p[2])
-        for (p[1] = 0; p[1] < out.size[1]; ++p[1])
-            for (p[0] = 0; p[0] < out.size[0]; ++p[0]) {
-                Size first = p;
-                first[a] *= 2;
-                Size second = first;
-                second[a] = std::min(second[a] + 1, scan.size[a] - 1);
-                out.values.push_back(0.5f * scan.values[scan.indexOf(first[0], first[1], first[2])] +
-                                     0.5f * scan.values[scan.indexOf(second[0], second[1], second[2])]);
-            }
+    const auto made = [&](const std::vector<float>& all) {
+        std::vector<float> means;
+        means.reserve(static_cast<std::size_t>(out.size[0] * out.size[1] * out.size[2]));
+        Size p{};
+        for (p[2] = 0; p[2] < out.size[2]; ++p[2])
+            for (p[1] = 0; p[1] < out.size[1]; ++p[1])
+                for (p[0] = 0; p[0] < out.size[0]; ++p[0]) {
+                    Size first = p;
+                    first[a] *= 2;
+                    Size second = first;
+                    second[a] = std::min(second[a] + 1, scan.size[a] - 1);
+                    means.push_back(0.5f * all[scan.indexOf(first[0], first[1], first[2])] +
+                                    0.5f * all[scan.indexOf(second[0], second[1], second[2])]);
+                }
+        return means;
+    };
+    makeAll(scan, made, out);
     return out;
 }
 

@@ -184,20 +184,31 @@ std::string typeName(int type) {
     return airEnumStr(nrrdType, type);
 }
 
-/// The name of a sample type, as in the parameter for raw files.
-std::string sampleTypeOf(int type) {
-    constexpr const char* kNames[] = {"int8",   "uint8", "int16",  "uint16", "int32",
-                                      "uint32", "int64", "uint64", "float",  "double"};
-    return type >= nrrdTypeChar && type <= nrrdTypeDouble ? kNames[type - nrrdTypeChar] : typeName(type);
-}
-
 /// The axes of a header: three of space, and perhaps one that counts volumes or the parts of vectors.
 struct Axes {
     std::array<unsigned, 3> space{0, 1, 2};
     unsigned component = 3;
     std::int64_t components = 1;
     Size size{};
+    bool hasColours = false;  ///< the components are red, green and blue
 };
+
+/// The type of samples as the other readers name it; none where it is no number.
+std::optional<SampleType> typeOf(int type) {
+    using enum SampleType;
+    constexpr std::array kTypes{int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64};
+    if (type < nrrdTypeChar || type > nrrdTypeDouble) return {};
+    return kTypes[static_cast<std::size_t>(type - nrrdTypeChar)];
+}
+
+/// True if an axis holds the parts of colours: by its kind, or as the first axis, without a kind, of pictures.
+bool holdsColours(const Nrrd& nrrd, unsigned axis) {
+    const int kind = nrrd.axis[axis].kind;
+    if (nrrd.dim != 4 || nrrd.axis[axis].size != 3) return false;
+    if (kind == nrrdKindRGBColor || kind == nrrdKind3Color) return true;
+    const bool isPicture = nrrd.type == nrrdTypeUChar || nrrd.type == nrrdTypeUShort || nrrd.type == nrrdTypeFloat;
+    return axis == 0 && kind == nrrdKindUnknown && isPicture;
+}
 
 /// The axis that is none of space: one without a direction beside three that have one, one whose kind says so, or the
 /// last.
@@ -213,6 +224,9 @@ Axes axesOf(const Nrrd& nrrd, const std::string& path) {
         }
         for (unsigned i = 0; i < 4 && nrrd.spaceDim == 3; ++i)
             if (!std::isfinite(nrrd.axis[i].spaceDirection[0])) undirected += 1, axes.component = i;
+        const bool isStated = undirected > 0 || axes.component != 3 || nrrd.axis[3].kind != nrrdKindUnknown;
+        if (!isStated && holdsColours(nrrd, 0)) axes.component = 0;
+        axes.hasColours = holdsColours(nrrd, axes.component);
         if (undirected > 1) refuse(path, fmt::format("{} of its 4 axes have no direction, expected one", undirected));
         axes.components = static_cast<std::int64_t>(nrrd.axis[axes.component].size);
         for (unsigned i = 0, k = 0; i < 4; ++i)
@@ -279,7 +293,8 @@ Scan readNrrd(const std::string& path, std::int64_t component) {
     load(header.get(), state.get(), path, text);
     checkFolder(*state, path);
     const Axes axes = axesOf(*header, path);
-    checkComponent(component, axes.components, path);
+    const bool hasColours = axes.hasColours && component < 0;
+    if (!hasColours) checkComponent(component, axes.components, path);
     if (header->type == nrrdTypeBlock || nrrdTypeSize[header->type] == 0)
         refuse(path, fmt::format("holds samples of type '{}', expected numbers", typeName(header->type)));
     checkBytes(*header, axes, *state, path);
@@ -290,18 +305,25 @@ Scan readNrrd(const std::string& path, std::int64_t component) {
     scan.size = axes.size;
     const std::optional<std::string> space = own.valueOf("space");
     place(*nrrd, axes, space ? spaceNamed(*space) : std::nullopt, scan);
-    scan.type = sampleTypeOf(nrrd->type);
-    scan.values.resize(static_cast<std::size_t>(sampleCount(scan.size, path)));
+    const SampleType type = typeOf(nrrd->type).value_or(SampleType::float64);
+    scan.type = hasColours ? colourTypeOf(type) : nameOf(type);
     const auto sample = nrrdFLookup[nrrd->type];
     std::array<std::size_t, 5> stride{1, 1, 1, 1, 1};
     for (unsigned i = 0; i < nrrd->dim; ++i) stride[i + 1] = stride[i] * nrrd->axis[i].size;
-    const std::size_t first = static_cast<std::size_t>(std::max<std::int64_t>(component, 0)) * stride[axes.component];
+    const std::size_t part = stride[axes.component],
+                      first = static_cast<std::size_t>(std::max<std::int64_t>(component, 0)) * part;
     const std::array<std::size_t, 3> step{stride[axes.space[0]], stride[axes.space[1]], stride[axes.space[2]]};
-    auto to = scan.values.begin();
+    std::vector<float> all;
+    all.reserve(static_cast<std::size_t>(sampleCount(scan.size, path)) * (hasColours ? 3 : 1));
     for (std::size_t z = 0; z < nrrd->axis[axes.space[2]].size; ++z)
         for (std::size_t y = 0; y < nrrd->axis[axes.space[1]].size; ++y)
             for (std::size_t x = 0; x < nrrd->axis[axes.space[0]].size; ++x)
-                *to++ = sample(nrrd->data, first + x * step[0] + y * step[1] + z * step[2]);
+                for (std::size_t c = 0; c < (hasColours ? 3 : 1); ++c)
+                    all.push_back(sample(nrrd->data, first + c * part + x * step[0] + y * step[1] + z * step[2]));
+    if (hasColours)
+        addColours(all, type, scan);
+    else
+        scan.values = std::move(all);
     return scan;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads NumPy's .npy: a magic number, a Python dictionary with type, order and shape, and the samples (NumPy's NEP 1).
-// An array is (nx, ny, nz), as in scrim.Field.
+// An array is (nx, ny, nz), as in scrim.Field, or (nx, ny, nz, 3) of colours.
 #include "scan.h"
 
 #include <algorithm>
@@ -64,11 +64,12 @@ std::optional<SampleType> typeOf(std::string_view descr) {
     return {};
 }
 
-Size shapeOf(std::string_view text, const std::string& path) {
+/// The shape of an array; the fourth number is 3 for colours and else 1.
+std::array<std::int64_t, 4> shapeOf(std::string_view text, const std::string& path) {
     const std::size_t close = text.find(')');
     if (!text.starts_with('(') || close == std::string_view::npos) refuse(path, "its header is damaged");
     const std::string_view shape = text.substr(0, close + 1);
-    Size size{};
+    std::array<std::int64_t, 4> size{1, 1, 1, 1};
     std::size_t count = 0;
     const char* at = shape.data() + 1;
     const char* const end = shape.data() + close;
@@ -81,8 +82,9 @@ Size shapeOf(std::string_view text, const std::string& path) {
         ++count;
         at = stop - 1;
     }
-    if (count != size.size())
-        refuse(path, fmt::format("its array is of shape {}, expected (nx, ny, nz)", shape.substr(0, 80)));
+    if (count != 3 && (count != 4 || size[3] != 3))
+        refuse(path, fmt::format("its array is of shape {}, expected (nx, ny, nz), or (nx, ny, nz, 3) for colours",
+                                 shape.substr(0, 80)));
     return size;
 }
 
@@ -100,20 +102,32 @@ Scan readNumpy(const std::string& path) {
     layout.type = *type;
     layout.bigEndian = descr[1] == '>';
     const bool xFastest = behind(dictionary, "fortran_order", path).starts_with("True");
+    const auto [nx, ny, nz, parts] = shapeOf(behind(dictionary, "shape", path), path);
     Scan scan;
-    scan.size = shapeOf(behind(dictionary, "shape", path), path);
-    layout.size = xFastest ? scan.size : Size{scan.size[2], scan.size[1], scan.size[0]};
-    scan.type = nameOf(layout.type);
+    scan.size = {nx, ny, nz};
+    const std::int64_t count = sampleCount(scan.size, path);
+    // Colours lie along the slowest of three axes, or along the fastest.
+    layout.size =
+        xFastest ? Size{nx, ny, sampleCount({nz, parts, 1}, path)} : Size{sampleCount({nz, parts, 1}, path), ny, nx};
+    scan.type = parts == 3 ? colourTypeOf(layout.type) : nameOf(layout.type);
     std::vector<float> stored = readRaw(path, layout);
-    if (xFastest) {
+    if (xFastest && parts == 1) {
         scan.values = std::move(stored);
         return scan;
     }
-    scan.values.resize(stored.size());
-    auto from = stored.begin();
-    for (std::int64_t x = 0; x < scan.size[0]; ++x)
-        for (std::int64_t y = 0; y < scan.size[1]; ++y)
-            for (std::int64_t z = 0; z < scan.size[2]; ++z) scan.values[scan.indexOf(x, y, z)] = *from++;
+    std::vector<float> sorted(stored.size());
+    auto to = sorted.begin();
+    for (std::int64_t z = 0; z < nz; ++z)
+        for (std::int64_t y = 0; y < ny; ++y)
+            for (std::int64_t x = 0; x < nx; ++x)
+                for (std::int64_t part = 0; part < parts; ++part)
+                    *to++ =
+                        stored[static_cast<std::size_t>(xFastest ? part * count + std::int64_t(scan.indexOf(x, y, z))
+                                                                 : ((x * ny + y) * nz + z) * parts + part)];
+    if (parts == 3)
+        addColours(sorted, layout.type, scan);
+    else
+        scan.values = std::move(sorted);
     return scan;
 }
 

@@ -104,6 +104,11 @@ float sample(SampleType type, const char* bytes, bool swap) {
     return fromHalf(static_cast<std::uint16_t>(sample<std::uint16_t>(bytes, swap)));
 }
 
+/// The light that a number from 0 to 1 stands for (IEC 61966-2-1).
+double linearOf(double srgb) {
+    return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+}
+
 /// A stream of zlib within a file.
 class Inflated {
   public:
@@ -214,6 +219,23 @@ void checkRatio(std::int64_t compressed, std::int64_t bytes, const std::string& 
     if (bytes > compressed * kMostRatio + kSlack)
         refuse(path, fmt::format("declares {} bytes of samples, more than its {} compressed bytes can hold", bytes,
                                  compressed));
+}
+
+void addColours(const std::vector<float>& parts, SampleType type, Scan& scan) {
+    const bool isReal = type == SampleType::float16 || type == SampleType::float32 || type == SampleType::float64;
+    const bool isSigned = nameOf(type).starts_with("int");
+    const double white = isReal ? 1 : std::exp2(8 * double(bytesOf(type)) - (isSigned ? 1 : 0)) - 1;
+    for (std::size_t i = 0; i + 2 < parts.size(); i += 3) {
+        scan.values.push_back(0.2126f * parts[i] + 0.7152f * parts[i + 1] + 0.0722f * parts[i + 2]);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double part = double(parts[i + c]) / white;
+            scan.colours[c].push_back(static_cast<float>(isReal ? part : linearOf(part)));
+        }
+    }
+}
+
+std::string colourTypeOf(SampleType type) {
+    return "RGB of " + nameOf(type);
 }
 
 std::vector<float> samplesIn(const std::string& bytes, const RawLayout& layout) {

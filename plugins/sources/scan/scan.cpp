@@ -53,9 +53,12 @@
 //   describe     true: makes two small grids in place of the samples, a histogram of their values and the two ends of
 //                the lattice (describe.h)
 //
-// The grid is called "density". Values that are not above 0 are empty: values below 0 can be seen through a window
-// only. Files that are shorter or (raw) longer than declared, sizes beyond 2^31 samples, and compressed files too small
-// to hold what they declare are refused before anything is allocated for them.
+// The grid is called "density". Files of colours (NRRD of kind RGB-color, or whose first axis has 3 samples; NumPy
+// arrays (nx, ny, nz, 3); TIFF in RGB) make it of their luma, in the units of the file, and "color.r", "color.g",
+// "color.b" beside it, linear and from 0 to 1: `albedo = { grid = "color" }` takes these. Values that are not above 0
+// are empty: values below 0 can be seen through a window only. Files that are shorter or (raw) longer than declared,
+// sizes beyond 2^31 samples, and compressed files too small to hold what they declare are refused before anything is
+// allocated for them.
 #include "describe.h"
 #include "edit.h"
 #include "scan.h"
@@ -321,36 +324,55 @@ void moveToOrigin(Scan& scan) {
     scan.origin = -0.5 * (scan.axes * glm::dvec3(scan.size[0] - 1, scan.size[1] - 1, scan.size[2] - 1));
 }
 
+/// True if there is density in the samples `from` .. `from` + 7, or within one sample of them.
+bool hasDensityNear(const Scan& scan, const Size& from) {
+    const auto begin = [&](std::size_t k) { return std::max<std::int64_t>(from[k] - 1, 0); };
+    const auto end = [&](std::size_t k) { return std::min(from[k] + 9, scan.size[k]); };
+    for (std::int64_t z = begin(2); z < end(2); ++z)
+        for (std::int64_t y = begin(1); y < end(1); ++y)
+            for (std::int64_t x = begin(0); x < end(0); ++x)
+                if (scan.values[scan.indexOf(x, y, z)] != 0) return true;
+    return false;
+}
+
+/// Adds the block of a grid that begins at sample `from`, unless it is empty.
+int addBlock(const scrim_host* host, int grid, const Scan& scan, const std::vector<float>& all, const Size& from) {
+    std::array<float, 512> values{};
+    bool any = false;
+    for (std::int64_t z = from[2]; z < std::min(from[2] + 8, scan.size[2]); ++z)
+        for (std::int64_t y = from[1]; y < std::min(from[1] + 8, scan.size[1]); ++y)
+            for (std::int64_t x = from[0]; x < std::min(from[0] + 8, scan.size[0]); ++x) {
+                const float v = all[scan.indexOf(x, y, z)];
+                values[static_cast<std::size_t>(((x - from[0]) * 8 + y - from[1]) * 8 + z - from[2])] = v;
+                any = any || v != 0;
+            }
+    if (!any) return 0;
+    const std::int32_t origin[3] = {static_cast<std::int32_t>(from[0]), static_cast<std::int32_t>(from[1]),
+                                    static_cast<std::int32_t>(from[2])};
+    const bool constant = std::all_of(values.begin(), values.end(), [&](float v) { return v == values[0]; });
+    return constant ? host->add_tile(host, grid, origin, 8, values[0])
+                    : host->add_block(host, grid, origin, values.data());
+}
+
+/// The grid "density", and of colours "color.r", "color.g" and "color.b" where there is density, or next to it: a
+/// colour is interpolated from all voxels around.
 int emit(const scrim_host* host, const Scan& scan) {
+    constexpr std::array<const char*, 4> kNames{"density", "color.r", "color.g", "color.b"};
+    const std::size_t grids = scan.colours[0].empty() ? 1 : 4;
     double worldFromIndex[16];
     worldFromIndexOf(scan, worldFromIndex);
-    const int grid = host->add_grid(host, "density", worldFromIndex);
-    if (grid < 0) return grid;
-
-    std::array<float, 512> values;
-    for (std::int64_t z = 0; z < scan.size[2]; z += 8) {
-        for (std::int64_t y = 0; y < scan.size[1]; y += 8)
-            for (std::int64_t x = 0; x < scan.size[0]; x += 8) {
-                values.fill(0);
-                bool any = false;
-                for (std::int64_t k = z; k < std::min(z + 8, scan.size[2]); ++k)
-                    for (std::int64_t j = y; j < std::min(y + 8, scan.size[1]); ++j)
-                        for (std::int64_t i = x; i < std::min(x + 8, scan.size[0]); ++i) {
-                            const float v = scan.values[scan.indexOf(i, j, k)];
-                            values[static_cast<std::size_t>(((i - x) * 8 + j - y) * 8 + k - z)] = v;
-                            any = any || v != 0;
-                        }
-                if (!any) continue;
-                const std::int32_t origin[3] = {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y),
-                                                static_cast<std::int32_t>(z)};
-                const bool constant =
-                    std::all_of(values.begin(), values.end(), [&](float v) { return v == values[0]; });
-                const int error = constant ? host->add_tile(host, grid, origin, 8, values[0])
-                                           : host->add_block(host, grid, origin, values.data());
-                if (error != 0) return error;
-            }
-        const double done = static_cast<double>(z + 8) / static_cast<double>(scan.size[2]);
-        if (const int stop = host->progress(host, std::min(done, 1.0)); stop != 0) return stop;
+    for (std::size_t n = 0; n < grids; ++n) {
+        const int grid = host->add_grid(host, kNames[n], worldFromIndex);
+        if (grid < 0) return grid;
+        const std::vector<float>& all = n == 0 ? scan.values : scan.colours[n - 1];
+        for (std::int64_t z = 0; z < scan.size[2]; z += 8) {
+            for (std::int64_t y = 0; y < scan.size[1]; y += 8)
+                for (std::int64_t x = 0; x < scan.size[0]; x += 8)
+                    if (n == 0 || hasDensityNear(scan, {x, y, z}))
+                        if (const int error = addBlock(host, grid, scan, all, {x, y, z}); error != 0) return error;
+            const double done = double(n) + std::min(double(z + 8) / double(scan.size[2]), 1.0);
+            if (const int stop = host->progress(host, done / double(grids)); stop != 0) return stop;
+        }
     }
     return 0;
 }

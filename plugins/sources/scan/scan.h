@@ -18,13 +18,15 @@ using Size = std::array<std::int64_t, 3>;  ///< samples along x, y, z
 
 struct Scan {
     Size size{};
-    std::vector<float> values;  ///< x fastest, then y, then z
-    glm::dmat3 axes{1};         ///< columns: the steps from one sample to the next along x, y and z, in world units
-    glm::dvec3 origin{0};       ///< position of the first sample
-    std::string type;           ///< type of the samples in the file: "uint8", "float", ...
-    std::string space;          ///< directions of x, y and z: "right-anterior-superior"; "": the file does not say
-    std::string unit;           ///< of the world: "micron"; "": the file does not say, or its format has one
-    bool isSpaced = true;       ///< the file says how far samples are apart
+    std::vector<float> values;  ///< x fastest, then y, then z; of colours their luma
+    /// Red, green and blue of each sample as linear light from 0 to 1; empty unless the file holds colours.
+    std::array<std::vector<float>, 3> colours;
+    glm::dmat3 axes{1};    ///< columns: the steps from one sample to the next along x, y and z, in world units
+    glm::dvec3 origin{0};  ///< position of the first sample
+    std::string type;      ///< type of the samples in the file: "uint8", "float", ...
+    std::string space;     ///< directions of x, y and z: "right-anterior-superior"; "": the file does not say
+    std::string unit;      ///< of the world: "micron"; "": the file does not say, or its format has one
+    bool isSpaced = true;  ///< the file says how far samples are apart
     std::vector<std::string> notes;  ///< what a user should know: "PATH: its slices are ... apart: resampled to ..."
     std::size_t indexOf(std::int64_t x, std::int64_t y, std::int64_t z) const {
         return static_cast<std::size_t>((z * size[1] + y) * size[0] + x);
@@ -74,6 +76,13 @@ std::vector<float> readRaw(const std::string& path, const RawLayout& layout);
 
 /// The samples of `bytes`, which are as many as the layout says, without a header.
 std::vector<float> samplesIn(const std::string& bytes, const RawLayout& layout);
+
+/// Adds samples to `values` and `colours`, of which `parts` holds red, green and blue one behind the other. Values are
+/// luma in the units of the file (BT.709: 0.2126 red + 0.7152 green + 0.0722 blue). Colours are light: whole numbers,
+/// relative to the largest of their type, are taken for sRGB, and floats are light as they are.
+void addColours(const std::vector<float>& parts, SampleType type, Scan& scan);
+/// "RGB of uint8": the `type` of a scan of colours.
+std::string colourTypeOf(SampleType type);
 
 /// Refuses the name of a second file that is not in the folder of `path` or below it: an untrusted header must not
 /// choose any file of the disk.

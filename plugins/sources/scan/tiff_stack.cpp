@@ -147,14 +147,14 @@ void place(const Stack& stack, Scan& scan) {
 
 void begin(const TiffFile& file, std::int64_t slices, const std::string& path, Scan& scan) {
     scan.size = {file.form().columns, file.form().rows, slices};
-    scan.type = nameOf(file.form().type);
-    if (file.form().parts != 1) refuse(path, "holds colours, expected one value for each sample");
+    scan.type = file.form().parts == 3 ? colourTypeOf(file.form().type) : nameOf(file.form().type);
     if (file.hasPalette())
         scan.notes.push_back(fmt::format("{}: its samples are numbers of colours, which are taken for values", path));
     sampleCount(scan.size, path);
 }
 
-void add(const std::vector<float>& samples, Scan& scan) {
+void add(const std::vector<float>& samples, const TiffForm& form, Scan& scan) {
+    if (form.parts == 3) return addColours(samples, form.type, scan);
     scan.values.insert(scan.values.end(), samples.begin(), samples.end());
 }
 
@@ -250,7 +250,7 @@ Scan readTiff(const std::string& path, std::int64_t component) {
         scan.notes.push_back(fmt::format(
             "{}: holds one slice; slices in many files are read by their folder, or by a pattern such as '{}'", path,
             "slice_*.tif"));
-    for (const std::int64_t page : pages) add(file.samples(page), scan);
+    for (const std::int64_t page : pages) add(file.samples(page), file.form(), scan);
     return scan;
 }
 
@@ -274,7 +274,7 @@ Scan readTiffSlices(const std::string& path) {
         if (file.form() != form)
             refuse(name,
                    fmt::format("is {}, expected {} as '{}'", textOf(file.form()), textOf(form), files.front().name));
-        add(file.samples(0), scan);
+        add(file.samples(0), form, scan);
     }
     return scan;
 }

@@ -16,7 +16,7 @@ namespace scrim {
 struct ScanInfo {
     std::string path;
     std::uint64_t fileBytes = 0;
-    std::string sampleType;  ///< "uint8", "int16", "float", ...
+    std::string sampleType;  ///< "uint8", "int16", "float", "RGB of uint8", ...
     std::string space;       ///< directions of x, y and z: "right-anterior-superior"; "": the file does not say
     std::string unit;        ///< of the world, as the file has it: "micron"; "": not stated, or its format's own
     bool isSpaced = true;    ///< the file says how far samples are apart

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
@@ -102,6 +103,32 @@ class BuiltSource : public ::testing::Test {
 /// Runs the source `scan` on a file.
 class ScanSource : public BuiltSource {
   protected:
+    /// The light that a number from 0 to 255 stands for in sRGB (IEC 61966-2-1).
+    static float lightOf(float number) {
+        const double part = double(number) / 255;
+        return static_cast<float>(part <= 0.04045 ? part / 12.92 : std::pow((part + 0.055) / 1.055, 2.4));
+    }
+    /// 2 x 3 x 4 colours (n, 2 n, 255 - n) of 255 with n = 1 + x + 2 y + 6 z as light, and their luma in units of
+    /// `white` / 255.
+    static void expectColours(const std::string& path, float white, const std::string& type) {
+        const std::vector<SparseField> grids = makeAll("scan", {{"file", path}});
+        ASSERT_EQ(grids.size(), 4u) << path;
+        for (std::size_t i = 0; i < 4; ++i)
+            EXPECT_EQ(grids[i].name, (std::array{"density", "color.r", "color.g", "color.b"})[i]) << path;
+        for (int z = 0; z < 4; ++z)
+            for (int y = 0; y < 3; ++y)
+                for (int x = 0; x < 2; ++x) {
+                    const auto n = static_cast<float>(1 + x + 2 * y + 6 * z);
+                    const std::array colour{n / 255, 2 * n / 255, (255 - n) / 255};
+                    const float luma = white * (0.2126f * colour[0] + 0.7152f * colour[1] + 0.0722f * colour[2]);
+                    EXPECT_NEAR(valueAt(grids[0], Int3(x, y, z)), luma, 1e-5f * white) << path;
+                    for (std::size_t c = 0; c < 3; ++c)
+                        EXPECT_NEAR(valueAt(grids[c + 1], Int3(x, y, z)), lightOf(255 * colour[c]), 1e-6f)
+                            << path << " " << c;
+                }
+        const std::vector<SparseField> described = makeAll("scan", {{"file", path}, {"describe", "true"}});
+        EXPECT_EQ(described.at(1).name.substr(0, 11 + type.size()), "samples of " + type) << path;
+    }
     static SparseField read(const std::string& path, Parameters more = {}) {
         more.insert(more.begin(), {"file", path});
         return make("scan", more);

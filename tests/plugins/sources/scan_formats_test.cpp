@@ -124,8 +124,9 @@ TEST_F(ScanFormats, NumPysArraysAreThoseOfFields) {
             for (int z = 0; z < 4; ++z) EXPECT_EQ(valueAt(c, Int3(x, y, z)), float(1 + 12 * x + 4 * y + z));
     expectPlace(read(file("c.npy"), {{"spacing", "0.5, 0.5, 2"}}), Vec3(1, 1, 1), Vec3(0.5, 0.5, 2), "spacing");
     text.replace(text.find("(2, 3, 4)"), 9, "(2, 3)");
-    EXPECT_EQ(refused(write("flat.npy", array(halves))),
-              file("flat.npy") + ": its array is of shape (2, 3), expected (nx, ny, nz)");
+    EXPECT_EQ(
+        refused(write("flat.npy", array(halves))),
+        file("flat.npy") + ": its array is of shape (2, 3), expected (nx, ny, nz), or (nx, ny, nz, 3) for colours");
     text.replace(text.find("<f2"), 3, "|O");
     EXPECT_EQ(refused(write("odd.npy", array(halves))),
               file("odd.npy") + ": its array holds '|O', expected whole or real numbers");
@@ -257,6 +258,53 @@ TEST_F(ScanFormats, OneVolumeOfFourDimensionsIsTakenByNumber) {
     }
     EXPECT_EQ(refused(write("a.npy", "x"), {{"component", "0"}}),
               file("a.npy") + ": 'component' is for NRRD, NIfTI and TIFF files only");
+}
+
+/// The parts of the colours that expectColours() wants, the parts first or last.
+std::string colourBytes(bool partsFirst) {
+    std::string bytes;
+    for (int k = 0; k < 72; ++k) {
+        const int n = partsFirst ? 1 + k / 3 : 1 + k % 24, part = partsFirst ? k % 3 : k / 24;
+        bytes += static_cast<char>(part == 0 ? n : part == 1 ? 2 * n : 255 - n);
+    }
+    return bytes;
+}
+
+TEST_F(ScanFormats, ColoursOfNrrdAreGridsBesideTheirLuma) {
+    const std::string head = "NRRD0005\ntype: uint8\ndimension: 4\nencoding: raw\n";
+    const std::string directions = "space: left-posterior-superior\nspace directions: ";
+    const auto nrrd = [&](const std::string& name, const std::string& fields, bool partsFirst) {
+        return write(name, head + fields + "\n" + colourBytes(partsFirst));
+    };
+    expectColours(nrrd("kind.nrrd", "sizes: 3 2 3 4\nkinds: RGB-color domain domain domain\n", true), 255,
+                  "RGB of uint8");
+    expectColours(nrrd("bare.nrrd", "sizes: 3 2 3 4\n", true), 255, "RGB of uint8");
+    expectColours(nrrd("space.nrrd", "sizes: 3 2 3 4\n" + directions + "none (2,0,0) (0,3,0) (0,0,4)\n", true), 255,
+                  "RGB of uint8");
+    const std::string last = nrrd("last.nrrd", "sizes: 2 3 4 3\nkinds: domain domain domain RGB-color\n", false);
+    expectColours(last, 255, "RGB of uint8");
+    // One of its parts alone is a volume as any other. And what is a vector, or a list, is no colour.
+    expectCounting(read(last, {{"component", "0"}}), "component");
+    for (const std::string kind : {"vector", "3-vector", "list"}) {
+        const std::string path = nrrd("other.nrrd", "sizes: 3 2 3 4\nkinds: " + kind + " domain domain domain\n", true);
+        EXPECT_EQ(refused(path), path + ": holds 3 volumes, expected one; component = 0 to 2 takes one of them")
+            << kind;
+    }
+}
+
+TEST_F(ScanFormats, ColoursOfNumPyAreGridsBesideTheirLuma) {
+    const auto array = [&](const std::string& name, bool fortran, const std::string& bytes) {
+        const std::string text = std::string("{'descr': '|u1', 'fortran_order': ") + (fortran ? "True" : "False") +
+                                 ", 'shape': (2, 3, 4, 3), }\n";
+        return write(name,
+                     std::string("\x93NUMPY\1\0", 8) + std::string{static_cast<char>(text.size()), 0} + text + bytes);
+    };
+    std::string c;
+    for (int x = 0; x < 2; ++x)
+        for (int y = 0; y < 3; ++y)
+            for (int z = 0; z < 4; ++z) c += colourBytes(true).substr(std::size_t(3 * (x + 2 * y + 6 * z)), 3);
+    expectColours(array("c.npy", false, c), 255, "RGB of uint8");
+    expectColours(array("f.npy", true, colourBytes(false)), 255, "RGB of uint8");
 }
 
 TEST_F(ScanFormats, ScansOfOnePatientLieTogetherInOneSpace) {

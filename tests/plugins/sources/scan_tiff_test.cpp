@@ -141,6 +141,38 @@ TEST_F(ScanTiff, WhatTheSamplesMeanIsKept) {
     EXPECT_EQ(f.activeVoxels, 24u);
 }
 
+TEST_F(ScanTiff, ColoursAreGridsBesideTheirLuma) {
+    expectColours(written("rgb.tif"), 255, "RGB of uint8");
+    expectColours(written("rgb_planes.tif"), 65535, "RGB of uint16");
+}
+
+TEST_F(ScanTiff, ColoursAreCroppedAndHalvedWithTheirDensity) {
+    const auto grids = makeAll("scan", {{"file", written("rgb.tif")}, {"crop_from", "0, 0, 2"}, {"halve", "x"}});
+    for (int z = 0; z < 2; ++z)
+        for (int y = 0; y < 3; ++y) {
+            const auto n = static_cast<float>(1 + 2 * y + 6 * (z + 2));
+            EXPECT_NEAR(valueAt(grids.at(1), Int3(0, y, z)), (lightOf(n) + lightOf(n + 1)) / 2, 1e-6f);
+            EXPECT_NEAR(valueAt(grids.at(3), Int3(0, y, z)), (lightOf(255 - n) + lightOf(254 - n)) / 2, 1e-6f);
+        }
+    EXPECT_EQ(grids[1].activeVoxels, 6u);
+    EXPECT_EQ(valueAt(grids[1], Int3(1, 0, 0)), 0);
+}
+
+// Interpolation reaches one voxel beyond density; what is farther away is never seen.
+TEST_F(ScanTiff, ColoursFarFromDensityAreLeftOut) {
+    TiffPages pages;
+    pages.columns = 32;
+    pages.rows = 1;
+    pages.parts = 3;
+    pages.colours = 2;
+    pages.pages.emplace_back();
+    for (int x = 0; x < 32; ++x) pages.pages[0] += std::string(3, static_cast<char>(x == 8 ? 200 : 10));
+    const auto grids = makeAll("scan", {{"file", write("far.tif", pages.bytes())}, {"threshold", "100"}});
+    EXPECT_EQ(grids.at(0).activeVoxels, 1u);
+    EXPECT_EQ(grids.at(1).activeVoxels, 16u) << "the block of voxel 8, and the one beside it";
+    EXPECT_NEAR(valueAt(grids[1], Int3(7, 0, 0)), lightOf(10), 1e-6f);
+}
+
 TEST_F(ScanTiff, AFileThatDoesNotSayHowFarSamplesAreApartIsAWord) {
     const std::string path = write("plain.tif", countingPages().bytes());
     EXPECT_EQ(noteOn(path), path + ": does not say how far its samples are apart: 1; 'spacing' sets it\n");

@@ -325,6 +325,33 @@ TEST_F(Asset, TiffStacksAndSlicesAreShownAndRendered) {
     EXPECT_TRUE(contains(printed({"slices/ball_*.tif"}), "name = \"ball\"\n"));
 }
 
+TEST_F(Asset, ColoursOfAScanAreTheAlbedoOfItsMedium) {
+    TiffPages pages;  // the left half is red, the right half green
+    pages.columns = pages.rows = 16;
+    pages.parts = 3;
+    pages.colours = 2;
+    for (int z = 0; z < 16; ++z) {
+        pages.pages.emplace_back();
+        for (int i = 0; i < 256; ++i) pages.pages.back() += i % 16 < 8 ? "\xff\x01\x01" : "\x01\xff\x01";
+    }
+    write("cells.tif", pages.bytes());
+    const std::string text = runWell({"info", "cells.tif"}).out;
+    for (const char* part :
+         {"16 x 16 x 16 of RGB of uint8\n", "albedo = { grid = \"color\", colorspace = \"lin_rec709\" } takes them"})
+        EXPECT_TRUE(contains(text, part)) << part << "\n" << text;
+    write("scene.toml",
+          kCamera +
+              "[[volume]]\nname = \"cells\"\nsource = \"scan\"\nparameters = { file = \"cells.tif\", center = "
+              "true, window = \"0, 255\" }\nmedium = { albedo = { grid = \"color\" } }\n" +
+              kLight);
+    runWell({"render", "scene.toml", "-o", "cells.exr", "--quality", "draft"});
+    const auto picture = readExr(file("cells.exr"));
+    const auto at = [&](int x, std::size_t channel) { return picture.rgba[picture.indexOf(x, 12) + channel]; };
+    EXPECT_GT(at(13, 0), 20 * at(13, 1)) << "red on the left";
+    EXPECT_GT(at(19, 1), 20 * at(19, 0)) << "green on the right";
+    EXPECT_GT(at(19, 1), 0.01f);
+}
+
 TEST_F(Asset, FormatsThatAreNotReadAreNamed) {
     write("x.vtk", "# vtk DataFile Version 3.0\n");
     const std::string reason =
