@@ -119,7 +119,8 @@ class FolderFile {
             if (beginsAsTiff(start)) tiff.push_back(at->path());
         }
         if (error && pattern.empty()) throw Error(ErrorKind::input, fmt::format("{}: {}", folder, error.message()));
-        std::vector<std::filesystem::path>& paths = dicom.empty() ? tiff : dicom;
+        m_isDicom = !dicom.empty();
+        std::vector<std::filesystem::path>& paths = m_isDicom ? dicom : tiff;
         std::sort(paths.begin(), paths.end());
         add("scrim folder\n", folder);
         for (const std::filesystem::path& path : paths) {
@@ -129,6 +130,7 @@ class FolderFile {
     }
     int fd() const { return m_file.fd(); }
     std::uint64_t size() const { return m_size; }
+    bool isDicom() const { return m_isDicom; }
 
   private:
     void add(const std::string& bytes, const std::string& path) {
@@ -162,6 +164,7 @@ class FolderFile {
 
     Descriptor m_file;
     std::uint64_t m_size = 0;
+    bool m_isDicom = false;
 };
 
 /// What messages about a child call its work.
@@ -419,6 +422,12 @@ std::vector<SparseField> guardedSource(const std::string& source, const SourcePa
             const OpenFile beside((std::filesystem::path(path).parent_path() / error.name()).string());
             if (!beside.problem().empty()) throw;
             return madeWith(&beside);
+        } catch (const ReaderCrash& crash) {
+            // GDCM ends its process where a damaged file is not as it assumes.
+            if (!files || !files->isDicom()) throw;
+            throw Error(crash.kind(),
+                        fmt::format("{}: is not readable as DICOM: {} stopped on it ({})", what,
+                                    sourceNameOf(source) == "scan" ? "GDCM" : "its reader", crash.signal()));
         }
     };
     ReceivedFields result = made();

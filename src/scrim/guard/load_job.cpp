@@ -218,8 +218,8 @@ void checkStatus(const LoadAnswer& answer, const std::string& path, const LoadLi
             ErrorKind::memory,
             fmt::format("{}: reading it crashed ({}), probably because memory ran out; raise the limit (ulimit -v)",
                         path, signalName(WTERMSIG(status))));
-    throw Error(ErrorKind::input,
-                fmt::format("{}: damaged: reading it crashed ({})", path, signalName(WTERMSIG(status))));
+    const std::string signal = signalName(WTERMSIG(status));
+    throw ReaderCrash(fmt::format("{}: damaged: reading it crashed ({})", path, signal), signal);
 }
 
 }  // namespace

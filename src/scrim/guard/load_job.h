@@ -13,6 +13,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 
 namespace scrim {
 
@@ -36,6 +37,17 @@ class LoaderLost : public Error {
     using Error::Error;
 };
 
+/// A child crashed, probably because its file is damaged. The text says so: "PATH: damaged: ...".
+class ReaderCrash : public Error {
+  public:
+    ReaderCrash(const std::string& text, std::string signal)
+        : Error(ErrorKind::input, text), m_signal(std::move(signal)) {}
+    const std::string& signal() const noexcept { return m_signal; }  ///< "signal SIGABRT"
+
+  private:
+    std::string m_signal;
+};
+
 class LoadJob {
   public:
     /// Descriptors that a child gets a copy of. They stay open here.
@@ -51,8 +63,8 @@ class LoadJob {
             const LoadLimits& limits, bool showStderr);
 
     /// Waits until the child has ended properly; calls `checkpoint` every few milliseconds. Throws whatever that
-    /// throws, LoaderLost, and an Error where the child crashed or takes longer than the limits allow from now on. If
-    /// the job is destroyed before that, the child ends, too.
+    /// throws, LoaderLost, ReaderCrash, and an Error where the child ended otherwise or takes longer than the limits
+    /// allow from now on. If the job is destroyed before that, the child ends, too.
     void wait(const Checkpoint& checkpoint);
 
     std::size_t memory() const { return m_limits.memory; }

@@ -189,6 +189,17 @@ TEST_F(SourceLoader, ReadsStacksAndSlicesOfTiffAsThisProcessDoes) {
     expectSameFields("scan", "slices");
 }
 
+// GDCM asserts what it expects of a file, and so ends the process that reads one cut off in its first group.
+TEST_F(SourceLoader, ADicomFileThatEndsItsReaderIsCalledUnreadable) {
+    const std::string whole = countingSlice(0).bytes();
+    ASSERT_GT(whole.size(), 140u);
+    std::filesystem::create_directories(file("series"));
+    write("series/a.dcm", whole.substr(0, 140));
+    for (const char* name : {"series/a.dcm", "series"})
+        EXPECT_EQ(refused("scan", name),
+                  "source 'scan': " + file(name) + ": is not readable as DICOM: GDCM stopped on it (signal SIGABRT)");
+}
+
 // A folder's DICOM files of more than 16 GB are refused, but not for the sake of a file that is none.
 TEST_F(SourceLoader, AFolderIsNotCopiedForAFileThatIsNotDicom) {
     write("notes.dcm", "nothing");
