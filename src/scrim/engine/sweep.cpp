@@ -7,6 +7,7 @@
 #include <scrim/base/parallel.h>
 #include <scrim/engine/composite/compositor.h>
 #include <scrim/engine/level_sweep.h>
+#include <scrim/engine/light/backdrop.h>
 #include <scrim/engine/light/solid_shadow.h>
 #include <scrim/engine/shade/sheet_shader.h>
 #include <scrim/engine/passes/light_cells.h>
@@ -225,10 +226,17 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
     const auto goOn = [&](double done) {
         if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
     };
+    const auto backdrop = hasBackdrop(scene) ? std::make_unique<const BackdropRays>(scene, [&] { goOn(0); }) : nullptr;
+    if (backdrop) backdrop->begin(frame);
+    const auto add = [&](const GroupPlan& group, const PixelTiles& tiles, Frame& to) {
+        resolve(scene, plan, group, tiles, to);
+        if (backdrop) takeFromBackdrop(plan, group, tiles, *backdrop, to);
+    };
     const auto show = [&](const GroupPlan& group, const PixelTiles& tiles) {
         const auto soFar = [&] {
             Frame now = frame;
-            resolve(scene, plan, group, tiles, now);
+            add(group, tiles, now);
+            finishBackdrop(now);
             return std::move(now.image);
         };
         if (shown) shown(soFar);
@@ -250,12 +258,13 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
         Swept swept = group.finer.empty()
                           ? sweep(scene, plan, group, ends.get(), cellLight, deepBytesLeft(plan, deep), goesOn)
                           : sweepOfLevels(scene, plan, group, ends.get(), cellLight, deepBytesLeft(plan, deep), goesOn);
-        resolve(scene, plan, plan.groups[g], swept.tiles, frame);
+        add(group, swept.tiles, frame);
         frame.work += swept.work;
         frame.times += swept.times;
         if (swept.deep) deep.push_back(std::move(*swept.deep));
     }
     finishLayers(frame);
+    finishBackdrop(frame);
     if (scene.deep) frame.deep = combined(scene, plan, deep);
     frame.work.caughtRays = catchShadows(scene, frame, [&] { goOn(1); });
     return frame;

@@ -304,6 +304,7 @@ void checkScene(const Scene& scene) {
         const Check check = named("mesh", mesh.name);
         check.transform(keysOf<TransformKeys>().matrix, mesh.wsFromMesh);
         check.colour(keysOf<MeshKeys>().albedo, mesh.albedo, 1);
+        if (mesh.color) check.colour(keysOf<MeshKeys>().color, *mesh.color, 1);
     }
     for (const Light& light : scene.lights) {
         const Check check = named("light", light.name);

@@ -11,9 +11,9 @@ namespace scrim {
 
 /// The names, in the order of Layer.
 inline const std::vector<std::string>& layerNames() {
-    static const std::vector<std::string> names{"light",    "direct", "indirect", "ambient",
-                                                "emission", "albedo", "depth",    "transmittance",
-                                                "shadow",   "volume", "motion",   "cryptomatte"};
+    static const std::vector<std::string> names{"light",  "direct",      "indirect",      "ambient", "emission",
+                                                "albedo", "depth",       "transmittance", "shadow",  "volume",
+                                                "motion", "cryptomatte", "backdrop"};
     return names;
 }
 inline const std::string& nameOf(Layer layer) {

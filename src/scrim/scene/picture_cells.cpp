@@ -131,9 +131,10 @@ const Texture::Level& wideLevel(const Slide& slide) {
     return levels[level];
 }
 
-Rgb skyAt(const Light& sky, const Vec3& direction) {
-    if (!sky.slide) return sky.intensity;
-    const Texture::Level& picture = wideLevel(*sky.slide);
+namespace {
+
+// The radiance of a dome by one level of its picture, interpolated.
+Rgb onPicture(const Light& sky, const Texture::Level& picture, const Vec3& direction) {
     const Vec2 at = pictureOfDome(sky, direction) * Vec2(picture.width, picture.height) - 0.5;
     const Vec2 whole = glm::floor(at), part = at - whole;
     Rgb sum(0);
@@ -143,6 +144,20 @@ Rgb skyAt(const Light& sky, const Vec3& direction) {
         sum += ((i & 1) != 0 ? part.x : 1 - part.x) * ((i >> 1) != 0 ? part.y : 1 - part.y) * Rgb(p[0], p[1], p[2]);
     }
     return sky.intensity * sum;
+}
+
+}  // namespace
+
+Rgb skyAt(const Light& sky, const Vec3& direction) {
+    return sky.slide ? onPicture(sky, wideLevel(*sky.slide), direction) : sky.intensity;
+}
+
+Rgb visibleSky(const Light& sky, const Vec3& direction, double angle) {
+    if (!sky.slide) return sky.intensity;
+    const auto& levels = sky.slide->image->levels();
+    std::size_t level = 0;
+    while (level + 1 < levels.size() && 2 * std::numbers::pi / levels[level].width < angle) ++level;
+    return onPicture(sky, levels[level], direction);
 }
 
 std::vector<PictureCell> domeCells(const Light& light, int count) {

@@ -27,6 +27,10 @@ const Texture::Level& wideLevel(const Slide& slide);
 /// The radiance of a dome in a direction (unit, towards the sky), without its suns, from that level.
 Rgb skyAt(const Light& dome, const Vec3& direction);
 
+/// What a camera sees of a dome in a direction (unit, towards the sky), suns and all: the mean over about `angle`
+/// radians, those of a pixel.
+Rgb visibleSky(const Light& dome, const Vec3& direction, double angle);
+
 /// At most `count` cells of a dome with a loaded picture, its suns left out, without those that are dark.
 /// Deterministic.
 std::vector<PictureCell> domeCells(const Light& light, int count);

@@ -206,6 +206,7 @@ void readArea(TomlTable& table, const std::optional<TomlValue>& slide, const Rea
 void readDome(TomlTable& table, const ReadContext& context, Light& light) {
     const TextureKeys& t = keysOf<TextureKeys>();
     light.kind = Light::Dome{table.numberAt(context.frame, k.rotation)};
+    light.visible = table.boolean(k.visible);
     const auto texture = table.find(k.texture);
     if (!texture) return;
     TomlTable picture = texture->table(fmt::format("{} of {}", k.texture, table.description()));

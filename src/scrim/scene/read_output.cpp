@@ -41,7 +41,7 @@ std::vector<Layer> readLayers(const TomlValue& value, const OutputFile& output, 
             fmt::format("'{}' cannot be written to an ACES container (half floats in ACES2065-1); expected another {}, "
                         "or {} = \"float\"",
                         value.name(), keysOf<OutputKeys>().colorspace, keysOf<OutputKeys>().type.name));
-    if (!layers.empty() && layers.back() == Layer::cryptomatte && output.compression == "dwaa")
+    if (std::ranges::find(layers, Layer::cryptomatte) != layers.end() && output.compression == "dwaa")
         value.fail(
             fmt::format("'cryptomatte' needs exact numbers, which {} = \"dwaa\" does not keep; expected another {}",
                         keysOf<OutputKeys>().compression.name, keysOf<OutputKeys>().compression));

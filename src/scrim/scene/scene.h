@@ -42,7 +42,8 @@ enum class Layer {
     shadow,
     volume,
     motion,
-    cryptomatte
+    cryptomatte,
+    backdrop
 };
 
 /// What a volume shows at frames before the first or after the last file of its sequence.
@@ -238,6 +239,7 @@ struct SceneMesh {
     Mat4 wsFromMesh{1.0};
     bool holdout = true, shadows = true, catches = false;  ///< see Solid
     Rgb albedo{0};                                         ///< likewise
+    std::optional<Rgb> color;                              ///< likewise
     std::string where;                                     ///< where the scene says `file`: "scene.toml:12:8"
     std::shared_ptr<const TriangleMesh> mesh = nullptr;    ///< null until it is loaded
 };

@@ -46,7 +46,8 @@ OutputKeys::OutputKeys()
               "Layers beside the beauty. light (one for each light), ambient and emission add up to the beauty. So do "
               "volume (one for each volume, with its part of alpha), and direct and indirect, which is light that "
               "has scattered more than once; motion is in pixels until the next "
-              "frame; cryptomatte holds mattes of the volumes by name.")
+              "frame; cryptomatte holds mattes of the volumes by name; backdrop is what the beauty has besides of "
+              "skies and meshes that are seen.")
               .unless("[]")),
       compression(choice("compression", exrCompressions(), "Compression of the EXR.")) {}
 

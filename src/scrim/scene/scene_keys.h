@@ -283,6 +283,11 @@ struct LightKeys : Section {
         number("rotation", Range::fromTo(-1e15, 1e15, "degrees"), 0, "Turns the sky about 'up', from +z towards +x.")
             .onlyFor("dome")
             .keyed();
+    const Key& visible =
+        boolean("visible", false,
+                "The camera sees the sky behind the volumes, suns and all. The picture then is opaque there, and has "
+                "the layer 'backdrop'.")
+            .onlyFor("dome");
     const Key& samples =
         other("samples", "\"auto\" or a whole number from 1 to 4096",
               R"({"oneOf":[{"const":"auto"},{"type":"integer","minimum":1,"maximum":4096}]})", Range::fromTo(1, 4096),

@@ -184,6 +184,24 @@ void addShadowLayer(Scene& scene) {
         scene.output.layers.push_back(Layer::shadow);
 }
 
+/// Adds the layer of what is seen besides volumes, so that it can be taken out of the picture again.
+void addBackdropLayer(Scene& scene) {
+    const std::vector<Layer> layers = scene.output.allLayers();
+    const bool seen = std::ranges::any_of(scene.lights, &Light::visible) ||
+                      std::ranges::any_of(scene.meshes, [](const SceneMesh& m) { return m.color.has_value(); });
+    if (!seen) return;
+    if (!scene.output.holdout.file.empty())
+        throw Error(
+            ErrorKind::input,
+            fmt::format(
+                "{}: a picture that hides the volumes has a backdrop of its own; expected no light with {} and no "
+                "mesh with {} beside {} of [output]",
+                scene.output.holdout.where, keysOf<LightKeys>().visible, keysOf<MeshKeys>().color,
+                keysOf<OutputKeys>().holdout));
+    if (std::find(layers.begin(), layers.end(), Layer::backdrop) == layers.end())
+        scene.output.layers.push_back(Layer::backdrop);
+}
+
 }  // namespace
 
 SceneText loadSceneText(const std::string& path) {
@@ -252,6 +270,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     scene.output = output ? readOutput(*output, context) : defaultOutput(context);
     root.finish();
     addShadowLayer(scene);
+    addBackdropLayer(scene);
     sweepPoints(scene);
     scene.warnings = *context.warnings;
     scene.lines = std::make_shared<const SceneLines>(linesOf(tree));

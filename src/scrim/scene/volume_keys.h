@@ -325,7 +325,12 @@ struct MeshKeys : SectionOf<SceneMesh> {
                                  "fraction of each light that reaches the first such surface; 1 where there is none.");
     const Key& albedo = colour("albedo", "[0, 0, 0]",
                                "The part of the light that the mesh sends back, evenly to all sides, into volumes that "
-                               "scatter fully. The mesh itself is not shown.");
+                               "scatter fully. It does not show the mesh: see 'color'.");
+    const Key& color =
+        colour("color", "none",
+               "Shows the mesh, with alpha, as a matte surface of this colour, 0 to 1: lit by all lights, through the "
+               "volumes, and in the shadows of meshes. It is for judging a shot; light that volumes scatter or emit "
+               "does not reach it. The picture then has the layer 'backdrop'. Needs holdout = true.");
 };
 
 struct CombineKeys : Section {

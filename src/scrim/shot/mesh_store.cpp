@@ -52,7 +52,7 @@ std::shared_ptr<const Solids> solidsOf(const Scene& scene) {
     std::vector<Solid> solids;
     for (const SceneMesh& mesh : scene.meshes)
         solids.push_back(
-            {mesh.name, mesh.mesh, mesh.wsFromMesh, mesh.holdout, mesh.shadows, mesh.catches, mesh.albedo});
+            {mesh.name, mesh.mesh, mesh.wsFromMesh, mesh.holdout, mesh.shadows, mesh.catches, mesh.albedo, mesh.color});
     return std::make_shared<const Solids>(std::move(solids));
 }
 

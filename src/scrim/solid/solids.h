@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,9 @@ struct Solid {
     Mat4 wsFromMesh{1.0};
     bool holdout = true, shadows = true, catches = false;
     Rgb albedo{0};  ///< the part of scattered light that comes back from it, evenly to all sides (Lambert); 0 to 1
+
+    /// Of what the camera sees of it, a matte surface (engine/light/backdrop.h); none: nothing. Only holdouts have one.
+    std::optional<Rgb> color = {};
 
     bool has(SolidRole role) const {
         return role == SolidRole::holdout ? holdout : role == SolidRole::shadow ? shadows : catches;

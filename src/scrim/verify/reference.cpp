@@ -97,6 +97,7 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
     for (const ViewVolume& volume : scene.volumes)
         if (volume.classified) m_step = std::min(m_step, options.classifiedStep * m_voxel);
     m_wsBounds = wsBounds(scene);
+    if (hasBackdrop(scene)) m_backdrop = std::make_unique<const Backdrop>(scene);
     m_lights = lightsSent(scene.lights);
     // The error of n x n rays shrinks at least as 1 / n^2, and samples along an eye ray have independent errors.
     // The light of a mesh jumps from triangle to triangle, so it takes more.
@@ -368,7 +369,8 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     Vec3 direction = rays.direction(x, y);
     const double depthScale = glm::length(direction);
     direction /= depthScale;
-    if (m_volumes.empty()) return {0, 0, 0, 0};
+    const std::array<double, 4> behind = m_backdrop ? m_backdrop->at(x, y) : std::array<double, 4>{};
+    if (m_volumes.empty()) return behind;
 
     auto [begin, end] = m_wsBounds.clip(origin, direction, rays.near * depthScale, m_options.far * depthScale);
     if (m_scene.solids)
@@ -413,9 +415,10 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     }
     // If everything that hides is also shown, alpha is 1 - transmittance. Otherwise alpha is summed along the ray like
     // radiance.
-    if (holdsOut(m_scene)) return {radiance.x, radiance.y, radiance.z, (shown.x + shown.y + shown.z) / 3};
-    const double alpha = -(std::expm1(-tau.x) + std::expm1(-tau.y) + std::expm1(-tau.z)) / 3;
-    return {radiance.x, radiance.y, radiance.z, alpha};
+    const double hidden = -(std::expm1(-tau.x) + std::expm1(-tau.y) + std::expm1(-tau.z)) / 3;
+    const double alpha = holdsOut(m_scene) ? (shown.x + shown.y + shown.z) / 3 : hidden;
+    const Rgb all = radiance + glm::exp(-tau) * Rgb(behind[0], behind[1], behind[2]);
+    return {all.x, all.y, all.z, alpha + behind[3] * (1 - hidden)};
 }
 
 std::array<double, 4> Reference::pixel(int x, int y) const {

@@ -4,10 +4,11 @@
 // judged by it.
 //
 // It shares with the engine the meaning of a scene: how a kernel reconstructs a field (volume/field_sampler), what a
-// volume does to light and what a light sends (scene/optics, scene/light_at). The transport of light is computed
-// independently here.
+// volume does to light and what a light sends (scene/optics, scene/light_at), and what is seen behind the volumes
+// (engine/light/backdrop). The transport of light through volumes is computed independently here.
 #pragma once
 
+#include <scrim/engine/light/backdrop.h>
 #include <scrim/scene/light_at.h>
 #include <scrim/scene/optics.h>
 #include <scrim/scene/view_scene.h>
@@ -92,6 +93,7 @@ class Reference {
     std::vector<std::shared_ptr<const PhasePeak>> m_peaks;  // for each volume; null: its phase function has no peak
     Bounds m_wsBounds;
     double m_voxel, m_step;
+    std::unique_ptr<const Backdrop> m_backdrop;  // null: nothing is seen behind the volumes
 };
 
 }  // namespace scrim

@@ -465,6 +465,7 @@ DrawnScene drawnScene(const std::vector<double>& numbers) {
 const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
     static const std::string files = "of files, which are read before there is a view";
     static const std::string time = "of time and lenses: moments are whole renders (truth/effects, unit/shot)";
+    static const std::string behind = "behind the volumes, which it does not change (truth/effects/backdrop)";
     static const std::string same = "another way to write what is drawn";
     static const std::vector<std::pair<std::string, std::string>> keys{{"scene.", same},
                                                                        {"orbit.", same},
@@ -512,6 +513,8 @@ const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
                                                                        {"classified.window", same},
                                                                        {"classified.window_zero", same},
                                                                        {"mesh.file", files},
+                                                                       {"mesh.color", behind},
+                                                                       {"light.visible", behind},
                                                                        {"grids.", files},
                                                                        {"remap.", files},
                                                                        {"mask.", files},

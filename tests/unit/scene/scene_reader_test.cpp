@@ -158,18 +158,38 @@ TEST(SceneOutput, LayersAreInTheOrderOfTheEnumeration) {
                                   Layer::transmittance}));
 }
 
+// What is seen besides volumes can be taken out of the picture again.
+TEST(SceneOutput, HasALayerOfWhatIsSeenBesidesVolumes) {
+    const std::string sky = "[[light]]\nname = \"sky\"\ntype = \"dome\"\n";
+    const std::string mesh = "[[mesh]]\nfile = \"a.obj\"\n", color = "color = [0.5, 0.4, 0.3]\n";
+    const auto layers = [](const std::string& lines) { return read(kScene + lines).output.layers; };
+    EXPECT_TRUE(layers(sky + mesh).empty());
+    EXPECT_EQ(layers(sky + "visible = true\n"), std::vector{Layer::backdrop});
+    EXPECT_EQ(layers(mesh + color), std::vector{Layer::backdrop});
+    EXPECT_EQ(layers(mesh + color + "[output]\nlayers = [\"backdrop\", \"depth\"]\n"),
+              (std::vector{Layer::depth, Layer::backdrop}));
+    const auto tells = [](const std::string& lines, const std::string& text) {
+        const std::string error = errorOf(kScene + lines);
+        EXPECT_NE(error.find(text), std::string::npos) << error;
+    };
+    tells(mesh + color + "holdout = false\n", "'color' shows a mesh that does not hide what is behind it");
+    tells(mesh + "color = [0.5, 1.4, 0.3]\n", "'color' is 0.5, 1.4, 0.3");
+    tells(sky + "visible = true\n[output.holdout]\ndepth = \"z.exr\"\n", "has a backdrop of its own");
+}
+
 TEST(SceneOutput, LayersAreChecked) {
     const auto layersError = [](const std::string& lines) { return errorOf(kCamera + kVolume + "[output]\n" + lines); };
     EXPECT_EQ(layersError("layers = [\"depth\", \"normals\"]\n"),
               "scene.toml:7:20: 'layers[1]' is the string \"normals\"; expected 'light', 'direct', 'indirect', "
               "'ambient', 'emission', 'albedo', "
-              "'depth', 'transmittance', 'shadow', 'volume', 'motion' or 'cryptomatte'");
+              "'depth', 'transmittance', 'shadow', 'volume', 'motion', 'cryptomatte' or 'backdrop'");
     EXPECT_EQ(layersError("layers = [\"depth\", \"depth\"]\n"),
               "scene.toml:7:20: 'layers[1]' repeats 'depth'; expected each layer once");
-    EXPECT_EQ(layersError("layers = \"depth\"\n"),
-              "scene.toml:7:10: 'layers' is the string \"depth\"; expected a list of layers: 'light', 'direct', "
-              "'indirect', 'ambient', "
-              "'emission', 'albedo', 'depth', 'transmittance', 'shadow', 'volume', 'motion' or 'cryptomatte'");
+    EXPECT_EQ(
+        layersError("layers = \"depth\"\n"),
+        "scene.toml:7:10: 'layers' is the string \"depth\"; expected a list of layers: 'light', 'direct', "
+        "'indirect', 'ambient', "
+        "'emission', 'albedo', 'depth', 'transmittance', 'shadow', 'volume', 'motion', 'cryptomatte' or 'backdrop'");
 }
 
 TEST(SceneOutput, AcesContainersTakeNoLayers) {

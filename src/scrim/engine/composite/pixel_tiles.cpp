@@ -161,6 +161,24 @@ void sumRays(const PixelTiles& tiles, int n, int x, int y, PixelSum& sum) {
         }
 }
 
+// What a pixel's rays lose of the backdrop in the volumes: the sum of its radiance and alpha times their opacity.
+using Hidden = std::array<float, 4>;
+Hidden hiddenOf(const PixelTiles& tiles, int n, int x, int y, const BackdropRays& backdrop) {
+    const OutputLayout& layout = tiles.layout();
+    const int opacities = layout.floats() - 4;
+    Hidden sum{};
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            const auto& seen = backdrop.ray(x * n + i, y * n + j);
+            const Real* state = tiles.state(x * n + i, y * n + j) + opacities;
+            const Hidden opacity = layout.coloured
+                                       ? Hidden{-state[0], -state[1], -state[2], -(state[0] + state[1] + state[2]) / 3}
+                                       : Hidden{-state[3], -state[3], -state[3], -state[3]};
+            for (std::size_t c = 0; c < 4; ++c) sum[c] += seen[c] * opacity[c];
+        }
+    return sum;
+}
+
 }  // namespace
 
 Frame emptyFrame(const ViewScene& scene) {
@@ -237,6 +255,23 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
             }
             if (transmittance)
                 for (std::size_t c = 0; c < 3; ++c) transmittance->data[at / 4 * 3 + c] += hidden[c];
+        }
+    });
+}
+
+void takeFromBackdrop(const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, const BackdropRays& backdrop,
+                      Frame& frame) {
+    FrameLayer* const layer = find(frame, Layer::backdrop);
+    if (!(group.primary > 0) || layer == nullptr) return;
+    const EyePart& part = plan.eyeParts[group.eyePart];
+    const int n = backdrop.antialias();
+    parallelFor(std::size_t(part.window.height()), [&](std::size_t row) {
+        const int y = part.window.y0 + static_cast<int>(row);
+        for (int x = part.window.x0; x < part.window.x1; ++x) {
+            const auto weight = static_cast<float>(part.weight(x + 0.5, y + 0.5) / (n * n) * group.primary);
+            const Hidden lost = hiddenOf(tiles, n, x, y, backdrop);
+            float* pixel = layer->data.data() + frame.image.indexOf(x, y);
+            for (std::size_t c = 0; c < 4; ++c) pixel[c] -= weight * lost[c];
         }
     });
 }

@@ -7,6 +7,7 @@
 #include <scrim/base/zeroed_array.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/image/image.h>
+#include <scrim/engine/light/backdrop.h>
 #include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
@@ -152,6 +153,10 @@ Frame emptyFrame(const ViewScene& scene);
 
 /// Adds the result of the sweep of `group`, which is in `tiles`.
 void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, Frame& frame);
+
+/// Takes from the layer `backdrop` what the volumes hide of it in a group's sweep.
+void takeFromBackdrop(const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, const BackdropRays& backdrop,
+                      Frame& frame);
 
 /// Completes the layers that depend on the sum of all sweeps.
 void finishLayers(Frame& frame);

@@ -2,9 +2,7 @@
 #include <scrim/engine/light/solid_shadow.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/model/sub_lights.h>
-#include <scrim/scene/light_at.h>
-#include <scrim/scene/optics.h>
+#include <scrim/engine/light/marched_light.h>
 
 #include <algorithm>
 #include <atomic>
@@ -23,77 +21,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The optical depths of all volumes of a scene.
-class Marcher {
-  public:
-    explicit Marcher(const ViewScene& scene) : m_step(voxelUnit(scene)) {
-        FieldSamplers samplers;
-        for (const ViewVolume& volume : scene.volumes) {
-            if (volume.field->empty()) continue;
-            m_volumes.emplace_back(volume, Kernel::linear, samplers);
-            for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) m_wsBounds.include(corner);
-        }
-    }
-
-    // The transmittance in light `index` of the scene from `ws` to the light `light`, which it is or is a part of it.
-    Rgb transmittance(std::size_t index, const Light& light, const Vec3& ws) const {
-        const double beyond = glm::distance(ws, m_wsBounds.center()) + glm::length(m_wsBounds.size());
-        const Vec3 end = light.distant() ? ws - beyond * light.wsDirection : light.wsPosition;
-        return glm::exp(-opticalDepth(m_volumes, m_wsBounds, m_step, ws, end, index));
-    }
-
-  private:
-    double m_step;
-    Bounds m_wsBounds;
-    std::vector<VolumeOptics> m_volumes;
-};
-
-// A light without extent, which is a light of the scene or a part of one.
-struct Part {
-    explicit Part(const Light& one) : light(&one), at(one) {}
-
-    const Light* light;
-    LightAt at;
-};
-using Parts = std::vector<Part>;
-
-// The transmittance towards light `owner` of the scene, whose parts count by what they send to the point, without
-// regard to the surface there.
-Rgb transmittance(const Marcher& marcher, std::size_t owner, const Parts& parts, const Vec3& ws) {
-    if (parts.size() == 1) return marcher.transmittance(owner, *parts.front().light, ws);
-    Rgb sum(0);
-    double weights = 0;
-    for (const Part& part : parts) {
-        const Rgb sent = part.at.at(ws).irradiance;
-        const double weight = sent.x + sent.y + sent.z;
-        if (weight <= 0) continue;
-        sum += weight * marcher.transmittance(owner, *part.light, ws);
-        weights += weight;
-    }
-    return weights > 0 ? sum / weights : Rgb(1);
-}
-
-// The sub-lights of light `index` of the scene; empty if it casts no shadows.
-Parts partsOf(const ViewScene& scene, const SubLights& subLights, std::size_t index) {
-    Parts parts;
-    if (!scene.lights[index].shadows) return parts;
-    for (std::size_t i = 0; i < subLights.owners.size(); ++i)
-        if (subLights.owners[i] == static_cast<int>(index)) parts.emplace_back(subLights.lights[i]);
-    return parts;
-}
-
-// All lights by their sub-lights, whoever brings their light to the volumes.
-SubLights allSubLights(const ViewScene& scene) {
-    std::vector<ServedLight> served = servedLights(scene);
-    for (ServedLight& light : served) light.inSweeps = true;
-    return subLights(scene, served);
-}
-
 // One layer and what it catches.
 struct Caught {
     std::vector<float>* data;
     std::size_t light;
-    Parts parts;
 };
 
 // Catches the shadows of blocks of eye rays. What arrives at a solid is as smooth as the volumes' grids, so where a
@@ -106,7 +37,7 @@ class Catcher {
     Catcher(const ViewScene& scene, const std::vector<Caught>& layers)
         : m_scene(scene),
           m_layers(layers),
-          m_marcher(scene),
+          m_light(scene),
           m_rays(wsRays(supersampled(scene.camera, scene.dials.antialias))),
           m_span(std::min(scene.dials.sheetThickness, 1.0) * voxelUnit(scene)) {}
 
@@ -163,8 +94,8 @@ class Catcher {
         std::vector<Rgb>& arrives = block.arrives[at.y][at.x];
         if (!arrives.empty()) return arrives;
         for (const Caught& layer : m_layers) {
-            arrives.push_back(transmittance(m_marcher, layer.light, layer.parts, *block.points[at.y][at.x]));
-            block.marched += layer.parts.size();
+            arrives.push_back(m_light.transmittance(layer.light, *block.points[at.y][at.x]));
+            block.marched += m_light.rays(layer.light);
         }
         return arrives;
     }
@@ -184,7 +115,7 @@ class Catcher {
 
     const ViewScene& m_scene;
     const std::vector<Caught>& m_layers;
-    Marcher m_marcher;
+    MarchedLight m_light;
     RayFamily m_rays;
     double m_span;
 };
@@ -202,15 +133,13 @@ std::optional<Vec3> caughtAt(const Solids& solids, const RayFamily& rays, double
 }
 
 std::uint64_t catchShadows(const ViewScene& scene, Frame& frame, const Checkpoint& checkpoint) {
-    const bool any = wants(scene, Layer::shadow) && scene.solids && scene.solids->any(SolidRole::catcher);
-    const SubLights all = any ? allSubLights(scene) : SubLights();
+    const bool any = scene.solids && scene.solids->any(SolidRole::catcher);
     std::vector<Caught> layers;
     for (FrameLayer& layer : frame.layers) {
         if (layer.layer != Layer::shadow) continue;
         std::fill(layer.data.begin(), layer.data.end(), 1.0f);
-        const auto light = std::size_t(layer.light);
-        Caught caught{&layer.data, light, partsOf(scene, all, light)};
-        if (!caught.parts.empty()) layers.push_back(std::move(caught));
+        if (any && scene.lights[std::size_t(layer.light)].shadows)
+            layers.push_back({&layer.data, std::size_t(layer.light)});
     }
     if (layers.empty()) return 0;
     const Catcher catcher(scene, layers);

@@ -111,6 +111,16 @@ Effect solids(const ViewScene& scene, SolidRole role, const std::string& name, c
     return found.effect(name, "of ", otherwise);
 }
 
+Effect backdrop(const ViewScene& scene) {
+    Finder found(scene);
+    for (const Light& light : scene.lights)
+        if (light.visible) found.add(quoted(light.name), "light." + light.name + ".visible");
+    if (scene.solids)
+        for (const Solid& solid : scene.solids->all())
+            if (solid.color) found.add(quoted(solid.name), "mesh." + solid.name + ".color");
+    return found.effect("backdrop", "of ", "no sky is visible, and no mesh has a color");
+}
+
 Effect heldVolumes(const ViewScene& scene) {
     return volumesThat(scene, ".holdout", [](const ViewVolume& v) { return nameIf(v.holdout, v.name); })
         .effect("volumes held out", "", "every volume is seen");
@@ -421,6 +431,7 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back(heldVolumes(scene));
     effects.push_back(solids(scene, SolidRole::shadow, "shadows of solids", "", "no mesh casts shadows"));
     effects.push_back(solids(scene, SolidRole::catcher, "caught shadows", ".catch", "no mesh catches shadows"));
+    effects.push_back(backdrop(scene));
     effects.push_back(layers(scene));
     effects.push_back(deepPicture(scene));
     effects.push_back(motionBlur(scene));

@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/composite/deep_rays.h>
+#include <scrim/engine/light/backdrop.h>
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/scene/slide_map.h>
@@ -357,9 +358,9 @@ std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
     for (const GroupPlan& group : plan.groups)
         floats = std::max(floats,
                           std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth ? kDepthFloats : 0)));
-    return pixels * (floats * sizeof(Real) + 1) + std::size_t(scene.region.width()) *
-                                                      std::size_t(scene.region.height()) * (4 + 3 * layerCount(scene)) *
-                                                      sizeof(float);
+    return BackdropRays::bytes(scene) + pixels * (floats * sizeof(Real) + 1) +
+           std::size_t(scene.region.width()) * std::size_t(scene.region.height()) * (4 + 3 * layerCount(scene)) *
+               sizeof(float);
 }
 
 // Shadow buffers need no channels for lights on cells, whichever volumes cast shadows in them. The suns of a sky on

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the camera sees besides volumes: solids that have a colour, as matte surfaces, and skies that are visible. It
+// lies behind the volumes, or among them where solids hold these out, and is multiplied by what they let through.
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/engine/light/marched_light.h>
+#include <scrim/engine/model/frame.h>
+#include <scrim/geometry/camera.h>
+#include <scrim/scene/view_scene.h>
+
+#include <array>
+#include <memory>
+#include <vector>
+
+namespace scrim {
+
+/// True if the scene wants the layer `backdrop`, and has something to show in it.
+bool hasBackdrop(const ViewScene& scene);
+
+/// The backdrop along single rays. May be used from many threads at once.
+class Backdrop {
+  public:
+    /// `scene` must outlive this object.
+    explicit Backdrop(const ViewScene& scene);
+
+    /// Radiance of the ray through raster position (x, y) of the picture without antialiasing, as if there were no
+    /// volumes before it, and alpha: 1 where there is a backdrop, else 0. Solids reflect light evenly to all sides
+    /// (Lambert); what volumes scatter or emit does not light them.
+    std::array<double, 4> at(double x, double y) const;
+
+  private:
+    Rgb skies(const Vec3& wsDirection) const;
+
+    const ViewScene& m_scene;
+    RayFamily m_rays;
+    double m_pixel;  // angle of a pixel, radians
+    MarchedLight m_light;
+    bool m_sky = false;
+};
+
+/// The backdrop of a picture's rays.
+class BackdropRays {
+  public:
+    /// Traces the rays of the scene's region. Calls `checkpoint` now and then.
+    BackdropRays(const ViewScene& scene, const Checkpoint& checkpoint);
+
+    /// Begins the layer `backdrop` of `frame`, as if there were no volumes. It has four floats a pixel until
+    /// finishBackdrop().
+    void begin(Frame& frame) const;
+    /// The radiance and alpha of the ray (x, y) of the antialiasing raster.
+    const std::array<float, 4>& ray(int x, int y) const {
+        return m_rays[std::size_t(y - m_window.y0) * std::size_t(m_window.width()) + std::size_t(x - m_window.x0)];
+    }
+    int antialias() const { return m_antialias; }  ///< n, of n x n rays a pixel
+    static std::size_t bytes(const ViewScene& scene);
+
+  private:
+    int m_antialias;
+    PixelWindow m_window;  // in rays
+    std::vector<std::array<float, 4>> m_rays;
+};
+
+/// Adds the layer `backdrop` to the picture and its alpha, if the frame has the layer.
+void finishBackdrop(Frame& frame);
+
+}  // namespace scrim

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is seen besides volumes: matte solids and skies. Closed forms in a slab of haze, and the reference.
+#include "scenes.h"
+#include "support/meshes.h"
+
+#include <scrim/verify/reference.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kSigma = 0.03;  // of the haze, which is 20 units thick
+
+Solid matte(std::shared_ptr<const TriangleMesh> mesh, const Rgb& color) {
+    return {"matte", std::move(mesh), Mat4(1.0), true, true, false, Rgb(0), color};
+}
+
+Light sky(const Rgb& radiance) {
+    Light light;
+    light.name = "sky";
+    light.kind = Light::Dome{};
+    light.intensity = radiance;
+    light.visible = true;
+    return light;
+}
+
+ViewScene behindHaze() {
+    ViewScene scene = haze(kSigma);
+    scene.volumes[0].medium.albedo = Rgb(0);  // it takes light, and sends none
+    scene.layers = {Layer::backdrop};
+    return scene;
+}
+
+void expectPixel(const Frame& frame, const Rgb& rgb, double alpha, double tolerance) {
+    const auto seen = pixelOf(frame, 10, 10);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[std::size_t(c)], rgb[c], tolerance) << c;
+    EXPECT_NEAR(seen[3], alpha, tolerance);
+}
+
+TEST(Backdrop, IsASkyThroughWhatTheVolumesLetThrough) {
+    ViewScene scene = behindHaze();
+    const Rgb blue(0.2, 0.4, 1);
+    scene.lights = {sky(blue)};
+    expectPixel(renderScene(scene), std::exp(-20 * kSigma) * blue, 1, 3e-4);
+    scene.volumes[0].medium.extinctionTint = {1, 0.5, 0.25};
+    expectPixel(renderScene(scene), glm::exp(-20 * kSigma * Rgb(1, 0.5, 0.25)) * blue, 1, 3e-4);
+    scene.volumes[0].holdout = true;  // it hides the sky, and has no alpha
+    expectPixel(renderScene(scene), glm::exp(-20 * kSigma * Rgb(1, 0.5, 0.25)) * blue,
+                (std::exp(-20 * kSigma) + std::exp(-10 * kSigma) + std::exp(-5 * kSigma)) / 3, 3e-4);
+    scene.lights.front().visible = false;
+    expectPixel(renderScene(scene), Rgb(0), 0, 0);
+}
+
+// A surface in the middle of the haze, half-way through: light and eye pass 9.5 units of it each, the light on a slant.
+TEST(Backdrop, IsAMatteSurfaceUnderLightThatPassedTheHaze) {
+    ViewScene scene = behindHaze();
+    const Vec3 travel = glm::normalize(Vec3(0.6, 0.2, -1));
+    scene.lights = {distantLight(travel, 3)};
+    const Rgb red(0.8, 0.3, 0.1);
+    scene.solids = std::make_shared<Solids>(std::vector{matte(squareMesh(Vec3(0), {0, 0, 1}, 300), red)});
+    const double cosine = -travel.z, lit = 3 * cosine / kPi * std::exp(-9.5 * kSigma / cosine);
+    expectPixel(renderScene(scene), std::exp(-9.5 * kSigma) * lit * red, 1, 5e-4);
+    scene.lights.front().wsDirection.z *= -1;  // its other side
+    expectPixel(renderScene(scene), Rgb(0), 1, 1e-6);
+    scene.ambient = {0.5, 1, 2};
+    expectPixel(renderScene(scene), std::exp(-9.5 * kSigma) * red * scene.ambient, 1, 5e-4);
+}
+
+// A lamp of intensity I at a height h over a surface, and a sky over it: I / h^2, and pi L.
+TEST(Backdrop, IsLitByLampsAndSkies) {
+    ViewScene scene = behindHaze();
+    scene.volumes[0].medium.densityScale = 0;
+    scene.solids = std::make_shared<Solids>(std::vector{matte(squareMesh({0.5, -0.5, -8}, {0, 0, 1}, 300), Rgb(1))});
+    scene.lights = {lamp({0.5, -0.5, -3}, 10)};
+    expectPixel(renderScene(scene), Rgb(10 / (25 * kPi)), 1, 1e-4);
+    scene.lights = {sky(Rgb(0.7))};
+    expectPixel(renderScene(scene), Rgb(0.7), 1, 0.01);  // its sub-lights: light_error
+}
+
+TEST(Backdrop, IsDarkInTheShadowOfASolidAndHiddenByOneWithoutColour) {
+    ViewScene scene = behindHaze();
+    scene.volumes[0].medium.densityScale = 0;
+    scene.lights = {distantLight(glm::normalize(Vec3(0.6, 0.2, -1)), 3)};
+    Solid shade = matte(squareMesh({-6, -2, 10}, {0, 0, 1}, 1.5), Rgb(0));  // on the way from the light to the middle
+    shade.holdout = false;
+    shade.color.reset();
+    const Solid floor = matte(squareMesh(Vec3(0), {0, 0, 1}, 300), Rgb(1));
+    scene.solids = std::make_shared<Solids>(std::vector{floor, shade});
+    const Frame frame = renderScene(scene);
+    expectPixel(frame, Rgb(0), 1, 1e-6);
+    EXPECT_GT(pixelOf(frame, 3, 3)[0], 0.5);
+    Solid hides = matte(squareMesh({0, 0, 5}, {0, 0, 1}, 2), Rgb(0));
+    hides.color.reset();
+    scene.solids = std::make_shared<Solids>(std::vector{floor, hides});
+    expectPixel(renderScene(scene), Rgb(0), 0, 0);
+}
+
+// A ball before a sky in haze that reaches behind it: at its silhouette each ray has its own part of both.
+ViewScene ballBeforeSky() {
+    ViewScene scene = behindHaze();
+    scene.volumes[0].medium = {0.2, Rgb(0.8), Phase{0.3}, {1, 0.7, 0.5}};
+    scene.lights = {sky({0.2, 0.4, 1}), distantLight(glm::normalize(Vec3(0.6, 0.2, -1)), 3)};
+    scene.ambient = Rgb(0.05);
+    scene.solids = std::make_shared<Solids>(std::vector{matte(ballMesh({0.3, 0.2, 4}, 5), {0.9, 0.5, 0.3})});
+    scene.layers = {Layer::light, Layer::ambient, Layer::emission, Layer::transmittance, Layer::backdrop};
+    scene.dials.antialias = 2;
+    scene.dials.lightError = 0.03;
+    scene.dials.texel = scene.dials.sheetThickness = 0.5;
+    return scene;
+}
+
+TEST(Backdrop, AgreesWithBruteForceAtSilhouettes) {
+    const ViewScene scene = ballBeforeSky();
+    const Frame frame = renderScene(scene);
+    const Reference reference(scene);
+    for (int i = 0; i < 20; ++i) {
+        const auto truth = reference.pixel(i, 7), seen = pixelOf(frame, i, 7);
+        for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(seen[c], truth[c], 0.012 * truth[c] + 1e-3) << i << " " << c;
+    }
+}
+
+TEST(Backdrop, AddsUpToTheBeautyWithTheOtherLayers) {
+    const Frame frame = renderScene(ballBeforeSky());
+    std::vector<double> sum(frame.image.rgba.size() / 4 * 3, 0);
+    for (const FrameLayer& layer : frame.layers)
+        for (std::size_t i = 0; i < sum.size() && layer.layer != Layer::transmittance; ++i) sum[i] += layer.data[i];
+    for (std::size_t i = 0; i < sum.size(); ++i) ASSERT_NEAR(sum[i], frame.image.rgba[i / 3 * 4 + i % 3], 1e-6) << i;
+}
+
+TEST(Backdrop, IsTheSameInACrop) {
+    ViewScene scene = ballBeforeSky();
+    const Frame whole = renderScene(scene);
+    scene.picture = scene.region;
+    scene.region = {5, 4, 13, 12};
+    const Frame crop = renderScene(scene);
+    for (int y = 4; y < 12; ++y)
+        for (int x = 5; x < 13; ++x) ASSERT_EQ(pixelOf(crop, x, y), pixelOf(whole, x, y)) << x << " " << y;
+}
+
+// Nothing is splatted where no volume is seen, and yet there is a sky.
+TEST(Backdrop, IsThereWithoutAnyVolume) {
+    ViewScene scene = behindHaze();
+    scene.volumes.clear();
+    scene.lights = {sky({0.2, 0.4, 1})};
+    expectPixel(renderScene(scene), {0.2, 0.4, 1}, 1, 1e-6);
+}
+
+}  // namespace
+}  // namespace scrim::test
