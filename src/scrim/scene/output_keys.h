@@ -16,6 +16,11 @@ struct PreviewKeys : Section {
     const Key& display =
         text("display", "the name of a display", "A display of the colour config.").unless("the config's");
     const Key& view = text("view", "the name of a view", "A view of the display.").unless("the display's");
+    const Key& backplate =
+        path("backplate", "a path such as \"plate.####.exr\"",
+             "A picture that the preview is laid over, stretched to the display window. The EXR holds nothing of it.");
+    const Key& backplateColorspace = text("backplate_colorspace", "the name of a colour space", "Its colour space.")
+                                         .unless("sRGB of whole numbers, else the working space");
     const Key& annotate =
         boolean("annotate", false,
                 "Draws a bar of a round length, in world units, and the directions of x, y and z into the lower "
@@ -76,9 +81,10 @@ struct OutputKeys : SectionOf<SceneOutput> {
                               "later [[output]].");
     const Key& fps = number("fps", Range::aboveTo(0, 1e6, "frames a second"), &SceneOutput::fps,
                             "Frames per second, for the header and for velocities per second.");
-    const Key& preview = path("preview", "a path, or a table with 'file', 'display', 'view' and 'annotate'",
-                              "A picture for viewing, written beside the picture.")
-                             .orTable(keysOf<PreviewKeys>());
+    const Key& preview =
+        path("preview", "a path, or a table with 'file', 'display', 'view', 'backplate' and 'annotate'",
+             "A picture for viewing, written beside the picture.")
+            .orTable(keysOf<PreviewKeys>());
     const Key& deep = path("deep", "a path such as \"plume.deep.####.exr\"",
                            "A deep picture, written beside the picture: an EXR of volume samples (Z, ZBack).");
     const Key& deepTolerance = number(

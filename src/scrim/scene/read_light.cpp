@@ -11,6 +11,22 @@
 #include <optional>
 
 namespace scrim {
+
+Slide readPicture(TomlTable& table, const Key& fileKey, const Key& spaceKey, const ReadContext& context) {
+    Slide slide;
+    const TomlValue file = table.require(fileKey);
+    slide.where = file.where();
+    slide.file = context.path(file).at(context.fileFrame());
+    if (const auto space = table.find(spaceKey)) {
+        try {
+            slide.colorspace = context.colour.resolve(space->string());
+        } catch (const Error& error) {
+            space->fail(error.what());
+        }
+    }
+    return slide;
+}
+
 namespace {
 
 const LightKeys& k = keysOf<LightKeys>();
@@ -58,22 +74,6 @@ void readSlideSize(TomlTable& table, const Light& light, const ReadContext& cont
     if (!width) table.require(s.width);
     slide.width = width->numberAt(context.frame);
     if (height) slide.height = height->numberAt(context.frame);
-}
-
-// Reads a picture and its colour space, which is all that a rectangle's or a dome's picture has.
-Slide readPicture(TomlTable& table, const Key& fileKey, const Key& spaceKey, const ReadContext& context) {
-    Slide slide;
-    const TomlValue file = table.require(fileKey);
-    slide.where = file.where();
-    slide.file = context.path(file).at(context.fileFrame());
-    if (const auto space = table.find(spaceKey)) {
-        try {
-            slide.colorspace = context.colour.resolve(space->string());
-        } catch (const Error& error) {
-            space->fail(error.what());
-        }
-    }
-    return slide;
 }
 
 Slide readSlide(TomlTable table, const Light& light, Type type, const ReadContext& context) {

@@ -112,6 +112,8 @@ Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, 
                       double frame);
 /// Reads a colour with components from 0 to `most` in the working space. Conversions may exceed the limits by rounding.
 Rgb readBounded(const TomlValue& value, const ReadContext& context, double most);
+/// Reads a picture and its colour space, which is all that the picture of a rectangle, a dome or a backplate has.
+Slide readPicture(TomlTable& table, const Key& fileKey, const Key& spaceKey, const ReadContext& context);
 /// A text without control characters.
 std::string nameIn(const TomlValue& value);
 /// The name of one of `names`, which are those of the tables of `key`.

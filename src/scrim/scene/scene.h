@@ -247,9 +247,10 @@ struct SceneMesh {
 struct ScenePreview {
     std::string file;  ///< the path at this frame; empty: no preview
     FramePath path;
-    std::string display;    ///< name of the display; "": the config's default
-    std::string view;       ///< name of the view; "": the display's default
-    bool annotate = false;  ///< with a scale bar and the directions of x, y and z
+    std::string display;                  ///< name of the display; "": the config's default
+    std::string view;                     ///< name of the view; "": the display's default
+    bool annotate = false;                ///< with a scale bar and the directions of x, y and z
+    std::optional<Slide> backplate = {};  ///< what it is laid over; none: black
 };
 
 /// A deep picture that is written beside the flat one.

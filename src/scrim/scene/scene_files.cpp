@@ -41,6 +41,8 @@ std::vector<SceneFile> filesReadBy(const Scene& scene) {
         if (!mesh.file.empty()) files.push_back({mesh.file, fmt::format("the mesh '{}'", mesh.name)});
     if (scene.plate) files.push_back({scene.plate->file, "the picture that the camera is that of"});
     if (!scene.output.holdout.file.empty()) files.push_back({scene.output.holdout.file, "the holdout's picture"});
+    if (const auto& plate = scene.output.preview.backplate; plate && !plate->file.empty())
+        files.push_back({plate->file, "the preview's backplate"});
     for (const Light& light : scene.lights)
         if (light.slide && !light.slide->file.empty())
             files.push_back({light.slide->file, fmt::format("the slide of light '{}'", light.name)});

@@ -5,6 +5,7 @@
 #include <scrim/base/finite.h>
 #include <scrim/base/version.h>
 #include <scrim/image/known_spaces.h>
+#include <scrim/image/backplate.h>
 #include <scrim/image/cryptomatte.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/exr_deep.h>
@@ -273,7 +274,9 @@ void writePreviewOf(const ShotFrame::Content& content, const Image& image, const
     const ScenePreview& preview = content.scene.output.preview;
     PreviewLook look{preview.display, preview.view, content.previewExposure};
     if (preview.annotate) look.marks = {content.scene.camera, content.wsMiddle};
-    writePreview(path, image, window, content.colour, look);
+    const bool plate = preview.backplate && preview.backplate->image;
+    writePreview(path, plate ? overPlate(image, *preview.backplate->image, window) : image, window, content.colour,
+                 look);
 }
 
 }  // namespace

@@ -272,7 +272,8 @@ ShotFrame Shot::Content::render(Scene scene, double seconds, const RenderOptions
         timed(report.seconds.load, [&] { return loadOnce(std::move(scene), options, volumesOf, ShotUse::render); });
     frame->skipped = !loaded;
     if (loaded) {
-        if (scene.output.preview.annotate) frame->wsMiddle = middleOf(*loaded, options);
+        frame->scene.output.preview.backplate = loaded->scene.output.preview.backplate;
+        if (frame->scene.output.preview.annotate) frame->wsMiddle = middleOf(*loaded, options);
         bool first = true;
         takeFrame(*frame, renderLoaded(*loaded, options, report, [&](std::size_t buffers) {
             if (std::exchange(first, false)) readAhead(options, *loaded, volumesOf, buffers);
@@ -388,6 +389,12 @@ void Shot::previewFromPicture(int frame, const RenderOptions& options) {
             content.scene = scene = withOptions(m_content->sceneAt(frame, options), options, *m_content->stores);
             if (const auto loaded = m_content->loadOnce(scene, options, VolumesOf::picture, ShotUse::render))
                 content.wsMiddle = middleOf(*loaded, options);
+        }
+        if (scene.output.preview.backplate) {
+            Scene plate;
+            plate.output.preview = scene.output.preview;
+            SlideStore(m_content->stores->colour).loadInto(plate, load, options.messages, options.checkpoint);
+            content.scene.output.preview = plate.output.preview;
         }
         writePreviewOfPicture(content, std::move(picture));
         return 0;

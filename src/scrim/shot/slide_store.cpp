@@ -7,14 +7,33 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace scrim {
 namespace {
 
-/// True if the slide must be loaded; slides that were made in code have their pictures already.
-bool hasFile(const Light& light) {
-    return light.slide && !light.slide->file.empty();
+std::string ownerOf(const Light& light) {
+    return fmt::format("light '{}'", light.name);
+}
+
+/// A picture of a scene, and whose it is.
+struct Owned {
+    Slide* picture;
+    std::string owner;
+    bool sky;  ///< its suns are looked for
+};
+
+/// The pictures that must be loaded; slides that were made in code have theirs already.
+std::vector<Owned> picturesOf(Scene& scene) {
+    std::vector<Owned> all;
+    for (Light& light : scene.lights)
+        if (light.slide && !light.slide->file.empty())
+            all.push_back({&*light.slide, ownerOf(light), light.dome() && light.slide->split});
+    if (auto& plate = scene.output.preview.backplate; plate && !plate->file.empty())
+        all.push_back({&*plate, "the backplate of the preview", false});
+    return all;
 }
 
 std::shared_ptr<const Texture> read(const Slide& slide, const ColourConfig& colour, const LoadOptions& load,
@@ -22,15 +41,15 @@ std::shared_ptr<const Texture> read(const Slide& slide, const ColourConfig& colo
     return textureOf(readPicture(slide.file, load, checkpoint), slide.file, slide.colorspace, colour, messages);
 }
 
-// Runs `load`, and puts the place in the scene and the light in front of its error.
+// Runs `load`, and puts the place in the scene and the owner in front of its error.
 template <typename Load>
-auto located(const std::string& where, const Light& light, const Load& load) {
+auto located(const std::string& where, const std::string& owner, const Load& load) {
     try {
         return load();
     } catch (const Error& error) {
         if (error.kind() == ErrorKind::interrupted) throw;
         const std::string place = where.empty() ? "" : where + ": ";
-        throw Error(error.kind(), fmt::format("{}light '{}': {}", place, light.name, error.what()));
+        throw Error(error.kind(), fmt::format("{}{}: {}", place, owner, error.what()));
     }
 }
 
@@ -38,7 +57,7 @@ auto located(const std::string& where, const Light& light, const Load& load) {
 
 void SlideStore::loadInto(Scene& scene, const LoadOptions& load, const MessageSink& messages,
                           const Checkpoint& checkpoint) {
-    loadSlides(scene, load, messages, checkpoint);
+    loadPictures(scene, load, messages, checkpoint);
     loadProfiles(scene, load, checkpoint);
 }
 
@@ -49,36 +68,34 @@ void SlideStore::loadProfiles(Scene& scene, const LoadOptions& load, const Check
         std::shared_ptr<const LightProfile>& profile = m_profiles[light.luminaire->file];
         if (!profile) profile = before[light.luminaire->file];
         if (!profile)
-            profile = located(light.luminaire->where, light, [&] {
+            profile = located(light.luminaire->where, ownerOf(light), [&] {
                 return std::make_shared<const LightProfile>(loadPhotometry(light.luminaire->file, load, checkpoint));
             });
         light.luminaire->profile = profile;
     }
 }
 
-void SlideStore::loadSlides(Scene& scene, const LoadOptions& load, const MessageSink& messages,
-                            const Checkpoint& checkpoint) {
+void SlideStore::loadPictures(Scene& scene, const LoadOptions& load, const MessageSink& messages,
+                              const Checkpoint& checkpoint) {
     // Only pictures of this frame are kept, so that those of two frames need never be in memory together.
     std::map<Key, std::shared_ptr<const Texture>> before;
     before.swap(m_images);
-    for (const Light& light : scene.lights) {
-        if (!hasFile(light)) continue;
-        const Key key{light.slide->file, light.slide->colorspace};
-        if (const auto known = before.find(key); known != before.end()) m_images.insert(*known);
-    }
+    const std::vector<Owned> pictures = picturesOf(scene);
+    for (const Owned& owned : pictures)
+        if (const auto known = before.find({owned.picture->file, owned.picture->colorspace}); known != before.end())
+            m_images.insert(*known);
     before.clear();
     std::erase_if(m_skies, [&](const auto& sky) { return m_images.count(sky.first) == 0; });
-    for (Light& light : scene.lights) {
-        if (!hasFile(light)) continue;
-        Slide& slide = *light.slide;
-        std::shared_ptr<const Texture>& image = m_images[{slide.file, slide.colorspace}];
+    for (const auto& [slide, owner, sky] : pictures) {
+        const Key key{slide->file, slide->colorspace};
+        std::shared_ptr<const Texture>& image = m_images[key];
         if (!image)
-            image = located(slide.where, light, [&] { return read(slide, m_colour, load, messages, checkpoint); });
-        slide.image = image;
-        if (!light.dome() || !slide.split) continue;
-        std::shared_ptr<const SkyParts>& parts = m_skies[{slide.file, slide.colorspace}];
+            image = located(slide->where, owner, [&] { return read(*slide, m_colour, load, messages, checkpoint); });
+        slide->image = image;
+        if (!sky) continue;
+        std::shared_ptr<const SkyParts>& parts = m_skies[key];
         if (!parts) parts = std::make_shared<const SkyParts>(skyParts(*image));
-        slide.parts = parts;
+        slide->parts = parts;
     }
 }
 

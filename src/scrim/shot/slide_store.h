@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of lights' slides, and the profiles of luminaires. They are read once and kept as long as the next frame
-// shows them, too.
+// The pictures of lights' slides and of the preview's backplate, and the profiles of luminaires. They are read once and
+// kept as long as the next frame shows them, too.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -22,9 +22,9 @@ class SlideStore {
   public:
     explicit SlideStore(ColourConfig colour) : m_colour(std::move(colour)) {}
 
-    /// Loads the picture of every slide and the profile of every luminaire of `scene` that names a file, and forgets
-    /// those of the previous frame that this one does not use. A guarded load calls `checkpoint` while it waits. Throws
-    /// Error(input) "scene.toml:12:18: light 'key': ...".
+    /// Loads the picture of every slide and of the backplate, and the profile of every luminaire of `scene` that names
+    /// a file, and forgets those of the previous frame that this one does not use. A guarded load calls `checkpoint`
+    /// while it waits. Throws Error(input) "scene.toml:12:18: light 'key': ...".
     void loadInto(Scene& scene, const LoadOptions& load, const MessageSink& messages, const Checkpoint& checkpoint);
 
     /// Memory of all of them.
@@ -33,7 +33,7 @@ class SlideStore {
   private:
     using Key = std::pair<std::string, std::string>;  // file and colour space
 
-    void loadSlides(Scene& scene, const LoadOptions& load, const MessageSink& messages, const Checkpoint& checkpoint);
+    void loadPictures(Scene& scene, const LoadOptions& load, const MessageSink& messages, const Checkpoint& checkpoint);
     void loadProfiles(Scene& scene, const LoadOptions& load, const Checkpoint& checkpoint);
 
     ColourConfig m_colour;

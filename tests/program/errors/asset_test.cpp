@@ -240,6 +240,25 @@ TEST_F(Asset, PreviewsTakeAViewAndAnExposure) {
     EXPECT_EQ(differ, 0u) << "but for the picture's rounding to half";
 }
 
+// A plate of one colour shows beside the smoke and not in the picture, and in a preview that is made afterwards.
+TEST_F(Asset, PreviewsLieOverABackplate) {
+    write("plate.ppm", "P6\n2 1\n255\n" + std::string("\x10\xf0\x10\x10\xf0\x10"));
+    const std::vector<std::string> command{"render", "scene.toml", "--set",
+                                           "output.preview={file=\"p.ppm\", backplate=\"plate.ppm\", view=\"Raw\"}"};
+    runWell(command);
+    runWell({"render", "scene.toml", "-o", "without.exr"});
+    EXPECT_EQ(readExr(file("scene.exr")).rgba, readExr(file("without.exr")).rgba);
+    const std::string over = readBytes(file("p.ppm")), corner = over.substr(over.size() - 3);
+    EXPECT_GT(static_cast<unsigned char>(corner[1]), 2 * static_cast<unsigned char>(corner[0]));
+    std::filesystem::remove(file("p.ppm"));
+    std::vector<std::string> again = command;
+    again.push_back("--skip-existing");
+    runWell(again);
+    EXPECT_EQ(readBytes(file("p.ppm")).substr(over.size() - 3), corner);
+    expectFailure({"render", "scene.toml", "--set", "output.preview={file=\"p.ppm\", backplate=\"none.png\"}"}, kInput,
+                  "--set output.preview: the backplate of the preview: there is no file 'none.png'");
+}
+
 TEST_F(Asset, AScanIsFramedAndLit) {
     makeScan("head.nrrd", 0, "spacings: 1 1 2\n");
     const std::string scene = printed({"head.nrrd"});

@@ -73,6 +73,13 @@ TEST_F(Outputs, AreNeverASlide) {
                   overwrites("the picture of slide.toml", "slide.exr", "the slide of light 'beam'"));
 }
 
+TEST_F(Outputs, AreNeverTheBackplate) {
+    runWell({"render", "scene.toml", "-o", "plate.exr", "-q"});
+    write("over.toml", kCamera + kVolume + "[output]\npreview = { file = \"p.png\", backplate = \"plate.exr\" }\n");
+    expectRefusal({"render", "over.toml", "-o", "plate.exr"},
+                  overwrites("the picture of over.toml", "plate.exr", "the preview's backplate"));
+}
+
 TEST_F(Outputs, AreNeverThePictureOfTheCamera) {
     runWell({"render", "scene.toml", "-o", "plate.exr", "-q"});
     write("plate.toml", "[camera]\nexr = \"plate.exr\"\n" + kVolume + kLight);

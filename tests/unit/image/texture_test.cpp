@@ -4,6 +4,7 @@
 #include "support/temp_folder.h"
 #include "unit/scene/read_scene.h"
 
+#include <scrim/image/backplate.h>
 #include <scrim/image/texture.h>
 
 #include <OpenImageIO/imageio.h>
@@ -208,6 +209,21 @@ TEST(TexturePyramid, OfThreePixelsCutsTheMiddleOne) {
     ASSERT_EQ(texture.levels()[1].width, 2);
     EXPECT_NEAR(texture.levels()[1].rgba[0], 2, 1e-6);  // (0 + 6 / 2) / 1.5
     EXPECT_NEAR(texture.levels()[1].rgba[4], 6, 1e-6);
+}
+
+// A plate of 2 x 1 pixels, black and white, behind a grey of half the alpha: a ramp between the middles of its pixels.
+TEST(Backplate, IsStretchedBehindThePicture) {
+    Image plate = emptyImage({0, 0, 2, 1});
+    plate.rgba = {0, 0, 0, 1, 1, 1, 1, 1};
+    Image picture = emptyImage({1, 0, 3, 1});
+    picture.rgba = {0.25f, 0.25f, 0.25f, 0.5f, 0, 0, 0, 0};
+    const Image over = overPlate(picture, Texture(plate), {0, 0, 4, 2});
+    const float expected[] = {0, 0.25f + 0.5f * 0.25f, 0.75f, 1};
+    for (int x = 0; x < 4; ++x) {
+        EXPECT_FLOAT_EQ(over.rgba[over.indexOf(x, 0) + 1], expected[x]) << x;
+        EXPECT_FLOAT_EQ(over.rgba[over.indexOf(x, 0) + 3], 1) << x;
+    }
+    EXPECT_FLOAT_EQ(over.rgba[over.indexOf(2, 1)], 0.75f);
 }
 
 }  // namespace

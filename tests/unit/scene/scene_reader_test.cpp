@@ -79,7 +79,7 @@ TEST(SceneOutput, IsChecked) {
               "scene.toml:7:8: 'file' is the string \"\"; expected a string that is not empty");
     EXPECT_EQ(outputError("preview = 3\n"),
               "scene.toml:7:11: 'preview' is 3; expected a path, or a table with 'file', "
-              "'display', 'view' and 'annotate'");
+              "'display', 'view', 'backplate' and 'annotate'");
     EXPECT_EQ(outputError("preview = { file = \"a.png\", view = \"film\" }\n").substr(0, 59),
               "scene.toml:7:36: 'view' is the string \"film\"; expected 'ACE");
 }
