@@ -3,6 +3,8 @@
 
 #include <OpenColorIO/OpenColorIO.h>
 
+#include <algorithm>
+#include <iterator>
 #include <sstream>
 #include <vector>
 
@@ -39,6 +41,34 @@ OCIO::TransformRcPtr srgbDecode() {
     curve->setGamma(kExponent);
     curve->setOffset(kOffset);
     return curve;
+}
+
+/// Takes CIE XYZ of a display towards grey where it is outside of Rec.709, by the curve of ACES 1.3's Reference Gamut
+/// Compression. Clipped, all fire below 1900 K that is not bright is pure red. The compression that OpenColorIO has
+/// built in is that into AP1, in which all of the working space is: 1000 K at 0.18 stays 188, 0, 11 in sRGB. Here, 189,
+/// 0, 0 becomes 189, 36, 24.
+///
+/// It follows the tone curve, which takes what is in AP1 to what is in AP1. Before the curve, it would make bright fire
+/// white: the curve keeps a yellow only of what is saturated.
+OCIO::TransformRcPtr compressToRec709() {
+    // Distances from grey along cyan, magenta and yellow that become 1; distances from which on they change; the power
+    // of the curve. Published for AP1 are 1.147, 1.264, 1.312; 0.815, 0.803, 0.880; 1.2. But in Rec.709, the farthest
+    // colours of AP1 are at 1.545, 1.076 and 1.113; and colours of the ColorChecker, which the published thresholds are
+    // to spare, at 0.87, 0.91 and 0.98. With these thresholds, those of its colours that sRGB has change by 7 of 255 at
+    // most; with the published numbers, by 17.
+    constexpr double kLimitsThresholdsPower[] = {1.56, 1.264, 1.13, 0.92, 0.90, 0.95, 1.2};
+    const auto rec709FromXyz = [](OCIO::TransformDirection direction) {
+        const bool forward = direction == OCIO::TRANSFORM_DIR_FORWARD;
+        const auto back = forward ? OCIO::TRANSFORM_DIR_INVERSE : OCIO::TRANSFORM_DIR_FORWARD;
+        std::vector<OCIO::TransformRcPtr> steps{builtin(kXyzFromAp0, back), builtin(kAp0FromAp1, back),
+                                                builtin(kRec709FromAp1, direction)};
+        if (!forward) std::reverse(steps.begin(), steps.end());
+        return sequence(steps);
+    };
+    return sequence({rec709FromXyz(OCIO::TRANSFORM_DIR_FORWARD),
+                     OCIO::FixedFunctionTransform::Create(OCIO::FIXED_FUNCTION_ACES_GAMUT_COMP_13,
+                                                          kLimitsThresholdsPower, std::size(kLimitsThresholdsPower)),
+                     rec709FromXyz(OCIO::TRANSFORM_DIR_INVERSE)});
 }
 
 struct SpaceText {
@@ -95,15 +125,15 @@ void addDisplay(OCIO::Config& config) {
     srgb->setTransform(builtin(kSrgbFromXyz, OCIO::TRANSFORM_DIR_FORWARD), OCIO::COLORSPACE_DIR_FROM_REFERENCE);
     config.addColorSpace(srgb);
 
-    const auto addView = [&config](const char* name, const char* style) {
+    const auto addView = [&config](const char* name, const OCIO::TransformRcPtr& displayFromScene) {
         OCIO::ViewTransformRcPtr view = OCIO::ViewTransform::Create(OCIO::REFERENCE_SPACE_SCENE);
         view->setName(name);
-        view->setTransform(builtin(style, OCIO::TRANSFORM_DIR_FORWARD), OCIO::VIEWTRANSFORM_DIR_FROM_REFERENCE);
+        view->setTransform(displayFromScene, OCIO::VIEWTRANSFORM_DIR_FROM_REFERENCE);
         config.addViewTransform(view);
         config.addDisplayView("sRGB", name, name, "sRGB - Display", "", "", "");
     };
-    addView("ACES 1.0 SDR", kSdrXyzFromAp0);
-    addView("Un-tone-mapped", kXyzFromAp0);
+    addView("ACES 1.0 SDR", sequence({builtin(kSdrXyzFromAp0, OCIO::TRANSFORM_DIR_FORWARD), compressToRec709()}));
+    addView("Un-tone-mapped", builtin(kXyzFromAp0, OCIO::TRANSFORM_DIR_FORWARD));
     config.addDisplayView("sRGB", "Raw", "Raw", "");
     config.setDefaultViewTransformName("Un-tone-mapped");
 }

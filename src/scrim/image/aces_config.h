@@ -12,7 +12,8 @@ namespace scrim {
 /// reference CIE-XYZ-D65.
 ///   Spaces    ACEScg (scene_linear, rendering), ACES2065-1 (aces_interchange), "Linear Rec.709 (sRGB)",
 ///             "sRGB - Texture", "Raw" (data), "CIE-XYZ-D65", "sRGB - Display".
-///   Display   "sRGB" with the views "ACES 1.0 SDR" (default), "Un-tone-mapped", "Raw".
+///   Display   "sRGB" with the views "ACES 1.0 SDR" (default), "Un-tone-mapped", "Raw". The first compresses colours
+///             outside of the display's gamut instead of clipping them.
 /// Throws OpenColorIO's exceptions if the library lacks a built-in transform.
 std::string acesConfigText();
 

@@ -3,11 +3,15 @@
 
 #include <scrim/base/error.h>
 #include <scrim/image/aces_config.h>
+#include <scrim/image/blackbody.h>
 
 #include "support/temp_folder.h"
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -218,6 +222,64 @@ TEST(ColourConfig, SlowGradientsKeepTheirMeanAndEndsStayExact) {
         for (int x = 0; x < 10; ++x)
             EXPECT_EQ(crop.rgba[static_cast<std::size_t>(4 * (10 * y + x))],
                       whole.rgba[static_cast<std::size_t>(4 * (kWidth * (y + 2) + x + 13))]);
+}
+
+/// What the view of `ownConfig` makes of a colour of the working space, display-encoded and not clamped.
+Rgb seen(const Rgb& rgb, const std::string& view = "") {
+    const auto f = [](double x) { return static_cast<float>(x); };
+    const Image image = ownConfig().displayed(onePixel(f(rgb.r), f(rgb.g), f(rgb.b), 1), "", view);
+    return {image.rgba[0], image.rgba[1], image.rgba[2]};
+}
+
+TEST(GamutCompression, ShowsEveryColourOfTheWorkingSpaceWithoutClippingItAtBlack) {
+    // The greens of AP1 are farthest out; -0.47 in linear Rec.709 without compression.
+    constexpr double kRounding = 1e-5;
+    const double values[] = {0, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 100};
+    for (const double r : values)
+        for (const double g : values)
+            for (const double b : values) {
+                const Rgb shown = seen({r, g, b});
+                ASSERT_GE(std::min({shown.r, shown.g, shown.b}), -kRounding) << r << ' ' << g << ' ' << b;
+            }
+}
+
+TEST(GamutCompression, ShowsCoolFireRedOrangeAndInOrderOfItsLight) {
+    const ColourConfig colour = ownConfig();
+    const Rgb cool = Blackbody(colour).colour(1000);
+    double last = 0;
+    for (double light = 0.01; light < 20; light *= 1.25) {
+        const Rgb shown = glm::min(seen(light * cool), Rgb(1));
+        EXPECT_GT(shown.g, shown.b) << light;
+        EXPECT_GT(shown.b, 0) << light;
+        const double luma = glm::dot(shown, Rgb(0.2126, 0.7152, 0.0722));
+        EXPECT_GT(luma, last) << light;
+        last = luma;
+    }
+    // Clipped, it is 189, 0, 0.
+    const Rgb shown = 255.0 * seen(0.18 * cool);
+    EXPECT_NEAR(shown.r, 189, 1);
+    EXPECT_NEAR(shown.g, 36, 1);
+    EXPECT_NEAR(shown.b, 24, 1);
+    // The curve's yellow of hot gas stays.
+    const Rgb bright = 255.0 * glm::min(seen(8.0 * cool), Rgb(1));
+    EXPECT_NEAR(bright.g, 239, 1);
+    EXPECT_NEAR(bright.b, 143, 1);
+}
+
+TEST(GamutCompression, KeepsColoursThatTheDisplayHas) {
+    // Numbers of ACES's own transform.
+    const ColourConfig colour = ownConfig();
+    const auto shown = [&](const Rgb& rec709) { return 255.0 * seen(colour.toWorking(rec709, "lin_rec709")); };
+    const auto expectNear = [](const Rgb& is, const Rgb& wanted) {
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(is[c], wanted[c], 0.1);
+    };
+    expectNear(shown(Rgb(0.18)), Rgb(90.8));
+    expectNear(shown({1, 0.6, 0.2}), {209.3, 179.4, 113.2});
+    // The moderate red of the ColorChecker.
+    expectNear(shown({0.5333, 0.1022, 0.1248}), {157.0, 63.7, 71.5});
+    // Nor are other views changed.
+    EXPECT_LT(seen({0, 1, 0}, "Un-tone-mapped").r, 0);
+    EXPECT_EQ(seen({0, 1, 0}, "Raw"), Rgb(0, 1, 0));
 }
 
 TEST(ColourConfig, UnTonemappedViewIsTheSrgbCurve) {
