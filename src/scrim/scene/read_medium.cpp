@@ -106,17 +106,33 @@ Emission readEmissionGrid(TomlTable& table, const Key& key) {
     return emission;
 }
 
+/// Reads a ramp over the grid's values. Its places 0 and 1 are the ends of `range`.
+std::vector<std::pair<double, Rgb>> readGlow(const TomlValue& value, const std::array<double, 2>& range,
+                                             const ReadContext& context) {
+    const auto emitted = [&](const TomlValue& y) {
+        if (!y.isNumber()) return readBounded(y, context, kMostLight);
+        const double kelvin = y.number(keysOf<LightKeys>().temperature.range);
+        return located(y, [&] { return Blackbody(context.colour).colour(kelvin); });
+    };
+    auto ramp = readRamp<Rgb>(value, "[grid value, colour or Kelvin] or [grid value, colour or Kelvin, strength]",
+                              emitted, 2, true);
+    for (auto& [x, rgb] : ramp) x = range[0] + x * (range[1] - range[0]);
+    return ramp;
+}
+
 /// One source of emission, or one for each channel of a grid of colours.
 std::vector<Emission> readEmission(TomlTable table, const ReadContext& context) {
     const EmissionKeys& k = keysOf<EmissionKeys>();
     Emission emission = readEmissionGrid(table, k.grid);
     table.read(k, context.frame, emission);
+    const std::array<double, 2> range = readPair(table, k.range, true);
     if (const auto ramp = table.find(k.ramp)) {
-        emission.ramp = readRamp<Rgb>(*ramp, "[grid value, colour]",
-                                      [&](const TomlValue& y) { return readBounded(y, context, kMostLight); });
+        emission.ramp = readGlow(*ramp, range, context);
         if (!keepsZero(emission.ramp))
             ramp->fail(fmt::format(
                 "{} is not black at grid value 0; expected black there, because empty space is skipped", k.ramp));
+    } else if (const auto alone = table.find(k.range)) {
+        alone->fail(fmt::format("{} has {} without {}", table.description(), k.range, k.ramp));
     }
     if (const auto mask = table.find(k.mask)) emission.mask = readMask(*mask, table.description());
     const bool colors = table.boolean(k.colors);

@@ -14,18 +14,19 @@
 namespace scrim {
 
 /// Reads a list of at least `least` points [x, y], x ascending. `read(value)` reads y; `point` describes a point in
-/// messages.
+/// messages. With `factors`, a point may have a third number, at least 0, which multiplies y.
 template <typename T, typename Read>
 std::vector<std::pair<double, T>> readRamp(const TomlValue& value, const std::string& point, const Read& read,
-                                           std::size_t least = 2) {
+                                           std::size_t least = 2, bool factors = false) {
     std::vector<std::pair<double, T>> ramp;
     for (const TomlValue& item : value.items(0, "a list of " + point)) {
-        const auto pair = item.items(2, point);
-        const double x = pair[0].number(Range());
-        const T y = read(pair[1]);
+        const bool factor = factors && item.items(0, point).size() == 3;
+        const auto parts = item.items(factor ? 3 : 2, point);
+        const double x = parts[0].number(Range());
+        const T y = factor ? read(parts[1]) * parts[2].number(Range::atLeast(0)) : read(parts[1]);
         if (!ramp.empty() && x <= ramp.back().first)
-            pair[0].fail(fmt::format("'{}': {} does not come after {}; expected ascending values", value.name(), x,
-                                     ramp.back().first));
+            parts[0].fail(fmt::format("'{}': {} does not come after {}; expected ascending values", value.name(), x,
+                                      ramp.back().first));
         ramp.emplace_back(x, y);
     }
     if (ramp.size() < least) value.failExpecting((least == 1 ? "at least one " : "at least two ") + point);

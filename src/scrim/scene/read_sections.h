@@ -64,6 +64,8 @@ std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& co
 std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& context);
 /// Reads what is done to a density: remap, edge, mask, noise.
 void readDensityShading(TomlTable& table, const ReadContext& context, DensityShading& shading);
+/// Two numbers, which ascend if they have to; [0, 1] where the key is missing.
+std::array<double, 2> readPair(TomlTable& table, const Key& key, bool ascends);
 /// Read a table inside of the one that messages call `of`. What is random depends on the frame alone, not on the moment
 /// within it.
 Mask readMask(const TomlValue& value, const std::string& of);

@@ -5,9 +5,7 @@
 #include <fmt/format.h>
 
 namespace scrim {
-namespace {
 
-/// Two numbers, which ascend if they have to; `otherwise` where the key is missing.
 std::array<double, 2> readPair(TomlTable& table, const Key& key, bool ascends) {
     const auto value = table.find(key);
     if (!value) return {0, 1};
@@ -17,6 +15,8 @@ std::array<double, 2> readPair(TomlTable& table, const Key& key, bool ascends) {
         value->fail(fmt::format("{} is [{}, {}]; expected ascending numbers", key, pair[0], pair[1]));
     return pair;
 }
+
+namespace {
 
 Remap readRemap(TomlTable table, const ReadContext& context) {
     const RemapKeys& k = keysOf<RemapKeys>();

@@ -163,19 +163,27 @@ struct OctavesKeys : SectionOf<Octaves> {
 
 struct EmissionKeys : SectionOf<Emission> {
     EmissionKeys()
-        : SectionOf("emission", "emission = { ... } of [volume.medium]",
-                    "Radiance per world unit = ramp(grid value) * scale, whatever the density. It lights volumes whose "
-                    "scattering = \"full\".") {}
+        : SectionOf(
+              "emission", "emission = { ... } of [volume.medium]",
+              "Radiance per world unit = ramp(grid value) * scale * mask, whatever the density. It lights volumes "
+              "whose scattering = \"full\".") {}
     const Key& grid = text("grid", "the name of a grid", "The grid that glows.").required();
     const Key& colors = boolean("colors", false,
                                 "The grid holds colours in the working space: a vec3 grid, or three grids NAME.r, "
                                 "NAME.g and NAME.b. They are emitted as they are, in place of 'ramp'.");
-    const Key& scale =
-        number("scale", Range::fromTo(0, 1e30), &Emission::scale, "Factor on the grid's values.").keyed();
+    const Key& scale = number("scale", Range::fromTo(0, 1e30), &Emission::scale,
+                              "The strength of all that is emitted: a factor on what the ramp gives.")
+                           .keyed();
     const Key& ramp =
-        other("ramp", "a list of at least two [grid value, colour]", R"({"type":"array","minItems":2})", {},
-              "Maps grid values, which ascend, to colours: linear between points, constant outside of them, black at "
-              "0. Without it, the value itself is emitted, in white.");
+        other("ramp", "a list of at least two [grid value, colour or Kelvin, strength]",
+              R"({"type":"array","minItems":2})", {},
+              "Maps grid values, which ascend, to light: linear between points, constant outside of them, black at 0. "
+              "A temperature from 800 to 40000 Kelvin stands for its colour, of luminance 1. The strength is a factor, "
+              "1 if it is left out. Without a ramp, the value itself is emitted, in white.");
+    const Key& range = other("range", "two numbers [low, high]", kTwoNumbers, Range::fromTo(-1e30, 1e30),
+                             "The grid's values that 0 and 1 of the ramp stand for; ascending. A higher low end makes "
+                             "a fire smaller.")
+                           .unless("[0, 1]");
     const Key& mask = table(keysOf<MaskKeys>(), "mask", "A factor from another grid.").unless("none");
 };
 

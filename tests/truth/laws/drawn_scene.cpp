@@ -506,6 +506,7 @@ const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
                                                                        {"emission.grid", files},
                                                                        {"emission.colors", files},
                                                                        {"emission.ramp", same},
+                                                                       {"emission.range", same},
                                                                        {"emission.mask", files},
                                                                        {"medium.transparency", same},
                                                                        {"medium.transparency_depth", same},

@@ -206,6 +206,37 @@ TEST(SceneEmission, ReadsGridRampAndScale) {
     expectNear(e.ramp[2].second, Rgb(4), 1e-5);
 }
 
+TEST(SceneEmission, RampsTakeTemperaturesAndStrengths) {
+    const auto ramp = volume(
+                          "emission = { grid = \"heat\", ramp = [[0, 1000, 0], [0.5, 1500, 3], [1, [1, 0.5, 0.1], 2],\n"
+                          "  [2, 2000]] }")
+                          .emission.at(0)
+                          .ramp;
+    const Blackbody blackbody(ownColours());
+    ASSERT_EQ(ramp.size(), 4u);
+    EXPECT_EQ(ramp[0], std::make_pair(0.0, Rgb(0)));
+    EXPECT_EQ(ramp[1], std::make_pair(0.5, blackbody.colour(1500) * 3.0));
+    EXPECT_EQ(ramp[2], std::make_pair(1.0, Rgb(2, 1, 0.2)));
+    EXPECT_EQ(ramp[3], std::make_pair(2.0, blackbody.colour(2000)));
+}
+
+TEST(SceneEmission, RampsAreOfARangeOfGridValues) {
+    const std::string ramp = "ramp = [[0, 1000, 0], [0.5, 1500], [1, 2000]] }";
+    const auto points = [&](const std::string& range) {
+        return volume("emission = { grid = \"heat\", " + range + ramp).emission.at(0).ramp;
+    };
+    const auto plain = points(""), moved = points("range = [0.5, 4.5], ");
+    EXPECT_EQ(points("range = [0, 1], "), plain);
+    ASSERT_EQ(moved.size(), plain.size());
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+        EXPECT_EQ(moved[i].first, 0.5 + 4 * plain[i].first);
+        EXPECT_EQ(moved[i].second, plain[i].second);
+    }
+    // A range that begins below 0 would let empty space glow.
+    EXPECT_NE(errorIn("emission = { grid = \"heat\", range = [-1, 1], " + ramp).find("not black at grid value 0"),
+              std::string::npos);
+}
+
 TEST(SceneEmission, WithoutARampIsTheGridsOwnValue) {
     const SceneVolume v = volume("emission = { grid = \"heat\" }");
     EXPECT_TRUE(v.emission.at(0).ramp.empty());
@@ -259,13 +290,22 @@ TEST(SceneEmission, IsChecked) {
     EXPECT_EQ(emissionError("grid = \"f\", scale = -1"),
               "scene.toml:7:34: 'scale' is -1; expected a number from 0 to 1e+30");
     EXPECT_EQ(emissionError("grid = \"f\", ramp = [[0, [0, 0, 0]]]"),
-              "scene.toml:7:33: 'ramp' is a list of 1; expected at least two [grid value, colour]");
+              "scene.toml:7:33: 'ramp' is a list of 1; expected at least two [grid value, colour or Kelvin] or "
+              "[grid value, colour or Kelvin, strength]");
     EXPECT_EQ(emissionError("grid = \"f\", ramp = [[0, [0, 0, 0]], [0, [1, 1, 1]]]"),
               "scene.toml:7:51: 'ramp': 0 does not come after 0; expected ascending values");
-    EXPECT_EQ(
-        emissionError("grid = \"f\", ramp = [[0, [0, 0, 0]], [1, 2]]"),
-        "scene.toml:7:54: 'ramp[1][1]' is 2; expected a colour [r, g, b], each of at least 0, or { rgb = [r, g, b], "
-        "colorspace = \"...\" }");
+    EXPECT_EQ(emissionError("grid = \"f\", ramp = [[0, [0, 0, 0]], [1, 2]]"),
+              "scene.toml:7:54: 'ramp[1][1]' is 2; expected a number from 800 to 40000 Kelvin");
+    EXPECT_EQ(emissionError("grid = \"f\", ramp = [[0, [0, 0, 0]], [1, \"red\"]]"),
+              "scene.toml:7:54: 'ramp[1][1]' is the string \"red\"; expected a colour [r, g, b], each of at least 0, "
+              "or { rgb = [r, "
+              "g, b], colorspace = \"...\" }");
+    EXPECT_EQ(emissionError("grid = \"f\", ramp = [[0, 1000, 0], [1, 1500, -1]]"),
+              "scene.toml:7:58: 'ramp[1][2]' is -1; expected a number of at least 0");
+    EXPECT_EQ(emissionError("grid = \"f\", range = [0, 2]"),
+              "scene.toml:7:34: 'emission' of [volume.medium] of [[volume]] 'volume1' has 'range' without 'ramp'");
+    EXPECT_EQ(emissionError("grid = \"f\", range = [2, 1], ramp = [[0, 1000, 0], [1, 1500]]"),
+              "scene.toml:7:34: 'range' is [2, 1]; expected ascending numbers");
     EXPECT_EQ(emissionError("grid = \"f\", ramp = [[0, [0, 0, 0]], [1, [0, -1, 0]]]"),
               "scene.toml:7:58: 'ramp[1][1][1]' is -1; expected a number of at least 0");
 }
