@@ -23,7 +23,7 @@ picture() { # NAME [OPTION...]
 }
 picture room
 picture cloud
-picture fire --set camera.fov=38 --set 'camera.target=[0, 0.2, 0]'
+picture campfire
 picture scan
 
 cd "$folder"
@@ -31,5 +31,5 @@ sky=0.16,0.17,0.30,1:topright=0.05,0.08,0.20,1:bottomleft=0.98,0.62,0.32,1:botto
 oiiotool cloud.exr --fullpixels --ch A -o alpha.exr
 oiiotool cloud.png --ch R,G,B alpha.exr --chappend --pattern "fill:topleft=$sky" 400x400 4 --over --ch R,G,B \
     -d uint8 -o cloud_sky.png
-oiiotool --nosoftwareattrib room.png cloud_sky.png fire.png scan.png --mosaic:pad=4 4x1 --eraseattrib ".*" \
+oiiotool --nosoftwareattrib room.png cloud_sky.png campfire.png scan.png --mosaic:pad=4 4x1 --eraseattrib ".*" \
     --compression jpeg:90 -o "$here/strip.jpg"
