@@ -104,7 +104,8 @@ ScenePreview readPreview(const TomlValue& value, const ReadContext& context) {
             preview.display = readOneOf(*display, context.colour.displays());
         const std::string display = preview.display.empty() ? context.colour.defaultDisplay() : preview.display;
         if (const auto view = table.find(k.view)) preview.view = readOneOf(*view, context.colour.views(display));
-        if (table.find(k.backplate)) preview.backplate = readPicture(table, k.backplate, k.backplateColorspace, context);
+        if (table.find(k.backplate))
+            preview.backplate = readPicture(table, k.backplate, k.backplateColorspace, context);
         if (const auto annotate = table.find(k.annotate)) preview.annotate = annotate->boolean();
         table.finish();
     }
