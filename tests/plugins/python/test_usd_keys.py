@@ -45,6 +45,9 @@ BESIDE = {
     "medium.phase.g2": {"medium": {"phase": {"type": "two-lobe", "g1": 0.5}}},
     "medium.phase.blend": {"medium": {"phase": {"type": "two-lobe", "g1": 0.5, "g2": 0.5}}},
     "medium.emission": {"medium": {"emission": {"grid": "density"}}},
+    "medium.emission.range": {
+        "medium": {"emission": {"grid": "density", "ramp": [[0, [0, 0, 0]], [1, [1, 0.5, 0]]]}},
+    },
     "medium.blackbody": {"medium": {"blackbody": {"grid": "density"}}},
     "medium.transparency_depth": {"medium": {"transparency": [0.5, 0.5, 0.5]}},
     "density.mask": {"density": {"mask": {"grid": "density"}}},
