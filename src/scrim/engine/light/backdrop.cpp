@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <optional>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace scrim {
@@ -39,29 +41,106 @@ Backdrop::Backdrop(const ViewScene& scene)
       m_light(scene),
       m_sky(std::ranges::any_of(scene.lights, &Light::visible)) {}
 
-Rgb Backdrop::skies(const Vec3& wsDirection) const {
-    Rgb sum(0);
-    for (const Light& light : m_scene.lights)
-        if (light.visible) sum += visibleSky(light, wsDirection, m_pixel);
-    return sum;
-}
-
-std::array<double, 4> Backdrop::at(double x, double y) const {
+Backdrop::Met Backdrop::meets(double x, double y) const {
     const Vec3 origin = m_rays.origin(x, y), way = m_rays.direction(x, y), direction = glm::normalize(way);
+    Met met;
     if (m_scene.solids) {
         const SolidHit hit = m_scene.solids->trace(SolidRole::holdout, origin, way, m_rays.near, kInfinity);
         if (hit.solid != nullptr) {
-            if (!hit.solid->color) return {};
+            if (!hit.solid->color) return met;
             const Vec3 normal = glm::normalize(hit.wsNormal);
-            const Vec3 towards = glm::dot(normal, direction) > 0 ? -normal : normal;
-            const Rgb light = m_light.irradiance(origin + hit.t * way, towards) / std::numbers::pi + m_scene.ambient;
-            const Rgb seen = *hit.solid->color * light;
-            return {seen.x, seen.y, seen.z, 1};
+            return {hit.solid, origin + hit.t * way, glm::dot(normal, direction) > 0 ? -normal : normal, {}};
         }
     }
-    if (!m_sky) return {};
-    const Rgb seen = skies(direction);
+    for (const Light& light : m_scene.lights) {
+        if (!light.visible) continue;
+        const Rgb sky = visibleSky(light, direction, m_pixel);
+        for (int c = 0; c < 3; ++c) met.sky[std::size_t(c)] += sky[c];
+        met.sky[3] = 1;
+    }
+    return met;
+}
+
+Rgb Backdrop::lightOn(const Met& met) const {
+    return m_light.irradiance(met.ws, met.normal) / std::numbers::pi + m_scene.ambient;
+}
+
+namespace {
+
+std::array<double, 4> shown(const Backdrop::Met& met, const Rgb& light) {
+    const Rgb seen = *met.solid->color * light;
     return {seen.x, seen.y, seen.z, 1};
+}
+
+// A square of rays, and those of the next row and column.
+class BackdropBlock {
+  public:
+    static constexpr int kEdge = 8;
+
+    BackdropBlock(const Backdrop& backdrop, const Int2& first, int antialias) : m_backdrop(backdrop) {
+        for (int y = 0; y <= kEdge; ++y)
+            for (int x = 0; x <= kEdge; ++x)
+                m_met[y][x] = backdrop.meets((first.x + x + 0.5) / antialias, (first.y + y + 0.5) / antialias);
+        fill(Int2(0), kEdge);
+    }
+    std::array<double, 4> at(int x, int y) const {
+        return m_met[y][x].solid != nullptr ? shown(m_met[y][x], m_filled[y][x]) : m_met[y][x].sky;
+    }
+
+  private:
+    void fill(const Int2& from, int edge) {
+        if (edge == 1) {
+            if (m_met[from.y][from.x].solid != nullptr) m_filled[from.y][from.x] = lightAt(from);
+            return;
+        }
+        if (!isEven(from, edge)) {
+            for (int i = 0; i < 4; ++i) fill(from + edge / 2 * Int2(i & 1, i >> 1), edge / 2);
+            return;
+        }
+        const Rgb a = lightAt(from), b = lightAt(from + Int2(edge, 0));
+        const Rgb c = lightAt(from + Int2(0, edge)), d = lightAt(from + edge);
+        for (int y = 0; y < edge; ++y)
+            for (int x = 0; x < edge; ++x) {
+                const double u = double(x) / edge, v = double(y) / edge;
+                m_filled[from.y + y][from.x + x] = (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
+            }
+    }
+
+    // True if all rays of a square meet one plane of one solid, and the light is about the same at its corners and in
+    // its middle.
+    bool isEven(const Int2& from, int edge) {
+        constexpr double kPlane = 1 - 1e-6, kAlike = 0.01;
+        const Backdrop::Met& first = m_met[from.y][from.x];
+        if (first.solid == nullptr) return false;
+        for (int y = from.y; y <= from.y + edge; ++y)
+            for (int x = from.x; x <= from.x + edge; ++x)
+                if (m_met[y][x].solid != first.solid || glm::dot(m_met[y][x].normal, first.normal) < kPlane)
+                    return false;
+        Rgb least(kInfinity), most(0);
+        for (const Int2& at : {Int2(0), Int2(edge, 0), Int2(0, edge), Int2(edge), Int2(edge / 2)}) {
+            least = glm::min(least, lightAt(from + at));
+            most = glm::max(most, lightAt(from + at));
+        }
+        return largest(most - least) <= kAlike * largest(most);
+    }
+
+    const Rgb& lightAt(const Int2& at) {
+        std::optional<Rgb>& light = m_light[at.y][at.x];
+        if (!light) light = m_backdrop.lightOn(m_met[at.y][at.x]);
+        return *light;
+    }
+
+    const Backdrop& m_backdrop;
+    Backdrop::Met m_met[kEdge + 1][kEdge + 1];
+    std::optional<Rgb> m_light[kEdge + 1][kEdge + 1];
+    Rgb m_filled[kEdge][kEdge];
+};
+
+}  // namespace
+
+std::array<double, 4> Backdrop::at(double x, double y) const {
+    const Met met = meets(x, y);
+    return met.solid != nullptr ? shown(met, lightOn(met)) : met.sky;
 }
 
 std::size_t BackdropRays::bytes(const ViewScene& scene) {
@@ -72,17 +151,24 @@ BackdropRays::BackdropRays(const ViewScene& scene, const Checkpoint& checkpoint)
     : m_antialias(scene.dials.antialias), m_window(supersampled(scene.region, m_antialias)) {
     const Backdrop backdrop(scene);
     m_rays.resize(m_window.pixelCount());
-    const auto width = std::size_t(m_window.width()), rows = std::size_t(m_window.height());
-    constexpr std::size_t kRows = 16;  // between two checkpoints
+    // Blocks cover all rays from one corner of the plane on, so that a crop is the same as in the whole picture.
+    constexpr int kEdge = BackdropBlock::kEdge;
+    const auto down = [](int a) { return (a >= 0 ? a / kEdge : -((kEdge - 1 - a) / kEdge)) * kEdge; };
+    const auto fillRow = [&](int top) {
+        for (int left = down(m_window.x0); left < m_window.x1; left += kEdge) {
+            const BackdropBlock block(backdrop, {left, top}, m_antialias);
+            for (int y = std::max(top, m_window.y0); y < std::min(top + kEdge, m_window.y1); ++y)
+                for (int x = std::max(left, m_window.x0); x < std::min(left + kEdge, m_window.x1); ++x)
+                    std::ranges::copy(block.at(x - left, y - top), m_rays[indexOf(x, y)].begin());
+        }
+    };
+    const int top = down(m_window.y0);
+    const auto rows = std::size_t((m_window.y1 - top + kEdge - 1) / kEdge);
+    constexpr std::size_t kRows = 8;  // of blocks, between two checkpoints
     for (std::size_t first = 0; first < rows; first += kRows) {
         checkpoint();
-        parallelFor(std::min(kRows, rows - first), [&](std::size_t r) {
-            for (std::size_t i = 0; i < width; ++i) {
-                const auto seen = backdrop.at((double(m_window.x0) + double(i) + 0.5) / m_antialias,
-                                              (double(m_window.y0) + double(first + r) + 0.5) / m_antialias);
-                std::ranges::copy(seen, m_rays[(first + r) * width + i].begin());
-            }
-        });
+        parallelFor(std::min(kRows, rows - first),
+                    [&](std::size_t r) { fillRow(top + kEdge * static_cast<int>(first + r)); });
     }
 }
 

@@ -24,14 +24,24 @@ class Backdrop {
     /// `scene` must outlive this object.
     explicit Backdrop(const ViewScene& scene);
 
-    /// Radiance of the ray through raster position (x, y) of the picture without antialiasing, as if there were no
-    /// volumes before it, and alpha: 1 where there is a backdrop, else 0. Solids reflect light evenly to all sides
-    /// (Lambert); what volumes scatter or emit does not light them.
+    /// What a ray meets: a solid with a colour at a place, or nothing but the sky, whose radiance is `sky`, with alpha.
+    struct Met {
+        const Solid* solid = nullptr;
+        Vec3 ws{0}, normal{0};  ///< the normal is unit and on the eye's side
+        std::array<double, 4> sky{};
+    };
+    /// The ray through raster position (x, y) of the picture without antialiasing.
+    Met meets(double x, double y) const;
+
+    /// Radiance over colour that a solid reflects there, evenly to all sides (Lambert). What volumes scatter or emit
+    /// does not light it.
+    Rgb lightOn(const Met& met) const;
+
+    /// Radiance of the ray through (x, y), as if there were no volumes before it, and alpha: 1 where there is a
+    /// backdrop, else 0.
     std::array<double, 4> at(double x, double y) const;
 
   private:
-    Rgb skies(const Vec3& wsDirection) const;
-
     const ViewScene& m_scene;
     RayFamily m_rays;
     double m_pixel;  // angle of a pixel, radians
@@ -42,20 +52,23 @@ class Backdrop {
 /// The backdrop of a picture's rays.
 class BackdropRays {
   public:
-    /// Traces the rays of the scene's region. Calls `checkpoint` now and then.
+    /// Traces the rays of the scene's region. On even parts of a solid whose light hardly changes over up to 8 x 8 rays
+    /// it is interpolated. Calls `checkpoint` now and then.
     BackdropRays(const ViewScene& scene, const Checkpoint& checkpoint);
 
     /// Begins the layer `backdrop` of `frame`, as if there were no volumes. It has four floats a pixel until
     /// finishBackdrop().
     void begin(Frame& frame) const;
     /// The radiance and alpha of the ray (x, y) of the antialiasing raster.
-    const std::array<float, 4>& ray(int x, int y) const {
-        return m_rays[std::size_t(y - m_window.y0) * std::size_t(m_window.width()) + std::size_t(x - m_window.x0)];
-    }
+    const std::array<float, 4>& ray(int x, int y) const { return m_rays[indexOf(x, y)]; }
     int antialias() const { return m_antialias; }  ///< n, of n x n rays a pixel
     static std::size_t bytes(const ViewScene& scene);
 
   private:
+    std::size_t indexOf(int x, int y) const {
+        return std::size_t(y - m_window.y0) * std::size_t(m_window.width()) + std::size_t(x - m_window.x0);
+    }
+
     int m_antialias;
     PixelWindow m_window;  // in rays
     std::vector<std::array<float, 4>> m_rays;

@@ -141,7 +141,11 @@ Vec3 placeOfPoint(const Vec3& ws, const CellSlices& slices) {
 class Pass {
   public:
     Pass(const ViewScene& scene, const CellGrid& grid, Simd simd, const std::function<void()>& checkpoint)
-        : m_scene(scene), m_grid(grid), m_simd(simd), m_checkpoint(checkpoint) {}
+        : m_scene(scene),
+          m_grid(grid),
+          m_simd(simd),
+          m_checkpoint(checkpoint),
+          m_beside(1.5 * std::max(voxelUnit(scene) / grid.edge(), 1.0)) {}
 
     // `colour`: the only one that the slices' extinction is for; -1: all. What is shown of surfaces must be faced.
     // `coarser`: see Passage.
@@ -240,14 +244,13 @@ class Pass {
     // in front are dark.
     double darkFrom(const Vec3& ws, const Vec3& wsPerStep, bool parallel) const {
         constexpr double kInfinity = std::numeric_limits<double>::infinity();
-        const double beside = 1.5 * std::max(voxelUnit(m_scene) / m_grid.edge(), 1.0);
         const SolidHit hit =
             m_scene.solids->trace(SolidRole::shadow, ws, wsPerStep, parallel ? -kInfinity : 0, kInfinity);
         if (hit.t == kInfinity || !hit.solid->holdout) return hit.t;
         const bool seen = glm::dot(hit.wsNormal, wsPerStep) *
                               glm::dot(hit.wsNormal, -travelToEye(m_scene.camera, ws + hit.t * wsPerStep)) >
                           0;
-        return hit.t + (seen ? beside : -beside);
+        return hit.t + (seen ? m_beside : -m_beside);
     }
     CellRays raysOf(const Sources& sources, const Light& light, const CellSlices& slices) const {
         CellRays rays{.parallel = light.distant(), .way = slices.reordered(light.wsDirection)};
@@ -272,6 +275,7 @@ class Pass {
     const CellGrid& m_grid;
     Simd m_simd;
     const std::function<void()>& m_checkpoint;
+    double m_beside;  // how far behind a surface cells may be looked up together with those in front, cells
     std::uint64_t m_directions = 0;
 };
 
