@@ -348,15 +348,11 @@ void chooseCoarser(const std::function<ViewScene(double)>& atLod, ViewScene& sce
     constexpr double kFirst = 0.25, kStep = 1.41421356, kLast = 8, kMostOfPromise = 0.85, kClearly = 0.9;
     constexpr int kCoarserRays = 192;
     const double promised = out.promised;
-    // Flat voxels are compared with some that are far thinner than a pixel already: rays through those of 1 : 1000
-    // would take hundreds of steps a voxel.
-    constexpr double kOfFlat = 0.13;
-    const bool flat = anyFlat(scene);
-    const ViewScene fine = flat ? atLod(kOfFlat) : scene;
-    auto voxels = voxelsOf(scene);
+    const ViewScene fine = scene;
+    auto voxels = voxelsOf(fine);
     const CoarserPilot pilot(fine, kCoarserRays);
     double least = kClearly * roughSeconds(scene, out.dials);
-    for (double exact = flat ? kOfFlat : kFirst; exact <= kLast; exact *= kStep) {
+    for (double exact = kFirst; exact <= kLast; exact *= kStep) {
         const double lod = std::round(100 * exact) / 100;  // easy to read and to type again
         ViewScene tried;
         try {
@@ -390,9 +386,15 @@ PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
                             const std::function<ViewScene(double)>& atLod) {
     ViewScene scene = given;
     const bool classified = anyClassified(scene);
+    // Flat voxels begin with some that are far thinner than a pixel already: rays through those of 1 : 1000 would take
+    // hundreds of steps a pixel.
+    constexpr double kOfFlat = 0.13;
+    const bool flat = !classified && atLod && anyFlat(scene);
+    if (flat) scene = atLod(kOfFlat);
     const double promised = promisedError(quality, classified), finest = finestFor(promised, classified);
     PromisedDials out = dialsOf(scene, promised);
     out.promised = promised;
+    if (flat) out.dials.lod = kOfFlat;
     if (classified)
         boundSurfaces(out.dials);
     else if (atLod)
