@@ -35,11 +35,7 @@ bool hasBackdrop(const ViewScene& scene) {
 }
 
 Backdrop::Backdrop(const ViewScene& scene)
-    : m_scene(scene),
-      m_rays(wsRays(scene.camera)),
-      m_pixel(pixelAt(scene.camera, 1)),
-      m_light(scene),
-      m_sky(std::ranges::any_of(scene.lights, &Light::visible)) {}
+    : m_scene(scene), m_rays(wsRays(scene.camera)), m_pixel(pixelAt(scene.camera, 1)), m_light(scene) {}
 
 Backdrop::Met Backdrop::meets(double x, double y) const {
     const Vec3 origin = m_rays.origin(x, y), way = m_rays.direction(x, y), direction = glm::normalize(way);

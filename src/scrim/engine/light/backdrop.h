@@ -10,7 +10,6 @@
 #include <scrim/scene/view_scene.h>
 
 #include <array>
-#include <memory>
 #include <vector>
 
 namespace scrim {
@@ -46,7 +45,6 @@ class Backdrop {
     RayFamily m_rays;
     double m_pixel;  // angle of a pixel, radians
     MarchedLight m_light;
-    bool m_sky = false;
 };
 
 /// The backdrop of a picture's rays.
