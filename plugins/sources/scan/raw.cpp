@@ -221,15 +221,19 @@ void checkRatio(std::int64_t compressed, std::int64_t bytes, const std::string& 
                                  compressed));
 }
 
+bool isReal(SampleType type) {
+    return type == SampleType::float16 || type == SampleType::float32 || type == SampleType::float64;
+}
+
 void addColours(const std::vector<float>& parts, SampleType type, Scan& scan) {
-    const bool isReal = type == SampleType::float16 || type == SampleType::float32 || type == SampleType::float64;
+    const bool real = isReal(type);
     const bool isSigned = nameOf(type).starts_with("int");
-    const double white = isReal ? 1 : std::exp2(8 * double(bytesOf(type)) - (isSigned ? 1 : 0)) - 1;
+    const double white = real ? 1 : std::exp2(8 * double(bytesOf(type)) - (isSigned ? 1 : 0)) - 1;
     for (std::size_t i = 0; i + 2 < parts.size(); i += 3) {
         scan.values.push_back(0.2126f * parts[i] + 0.7152f * parts[i + 1] + 0.0722f * parts[i + 2]);
         for (std::size_t c = 0; c < 3; ++c) {
             const double part = double(parts[i + c]) / white;
-            scan.colours[c].push_back(static_cast<float>(isReal ? part : linearOf(part)));
+            scan.colours[c].push_back(static_cast<float>(real ? part : linearOf(part)));
         }
     }
 }

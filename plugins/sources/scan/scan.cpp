@@ -107,8 +107,7 @@ enum {
 constexpr scrim_parameter kParameters[kCount] = {
     {"file", SCRIM_STRING, "", 0, 0, nullptr,
      "path of a .nrrd, .nhdr, .nii, .nii.gz, .hdr, .mha, .mhd, .npy, .mrc, .vti, .tif, .dcm or raw file, or of a "
-     "folder "
-     "of DICOM or TIFF slices"},
+     "folder of DICOM or TIFF slices"},
     {"size", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "raw: samples along x, y, z"},
     {"type", SCRIM_STRING, "auto", 0, 0, "auto|uint8|int8|uint16|int16|uint32|int32|float|double|uint64|int64|half",
      "raw: type of samples; auto: uint8"},
@@ -188,10 +187,10 @@ Scan readFile(const scrim_value* values) {
     if (name.ends_with(".vti")) reader = readVti;
     for (const char* ending : {".mrc", ".map", ".ccp4", ".rec"})
         if (name.ends_with(ending)) reader = readMrc;
-    const bool isTiff = isTiffFile(path) && !isFolder(path) && !isPattern(path);
+    const bool isMany = isFolder(path), isNamed = isPattern(path), isTiff = isTiffFile(path) && !isMany && !isNamed;
     if (isTiff) reader = [&](const std::string& file) { return readTiff(file, component); };
-    if (isDicomFile(path) || isFolder(path)) reader = readDicom;
-    if (isPattern(path) || (isFolder(path) && holdsTiffSlices(path))) reader = readTiffSlices;
+    if (isDicomFile(path) || isMany) reader = readDicom;
+    if (isNamed || (isMany && holdsTiffSlices(path))) reader = readTiffSlices;
     if (component >= 0 && !nrrd && !nifti && !isTiff)
         refuse(path, "'component' is for NRRD, NIfTI and TIFF files only");
     if (!reader) return readRawFile(path, values);

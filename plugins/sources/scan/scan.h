@@ -37,6 +37,8 @@ enum class SampleType { uint8, int8, uint16, int16, uint32, int32, float32, floa
 constexpr int kSampleTypes = 11;
 std::int64_t bytesOf(SampleType type);
 std::string nameOf(SampleType type);
+/// True for samples of floats.
+bool isReal(SampleType type);
 
 /// The transform row by row, as `add_grid` takes it.
 void worldFromIndexOf(const Scan& scan, double matrix[16]);

@@ -233,9 +233,7 @@ TiffFile::Layout TiffFile::layoutOf(const Fields& fields) {
     layout.isTiled = fields.contains(kTileWidth);
     layout.packing = static_cast<TiffPacking>(numberOf(fields, kCompression, 1));
     layout.predictor = layout.packing == TiffPacking::none ? 1 : numberOf(fields, kPredictor, 1);
-    const bool isReal =
-        m_form.type == SampleType::float16 || m_form.type == SampleType::float32 || m_form.type == SampleType::float64;
-    if (layout.predictor < 1 || layout.predictor > 3 || (layout.predictor == 3 && !isReal))
+    if (layout.predictor < 1 || layout.predictor > 3 || (layout.predictor == 3 && !isReal(m_form.type)))
         refuse(m_path, fmt::format("has the predictor {}, which is not read", layout.predictor));
     const auto edgeOf = [&](Tag tag, std::int64_t otherwise) {
         return static_cast<std::int64_t>(

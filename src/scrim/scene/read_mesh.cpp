@@ -19,8 +19,7 @@ SceneMesh readMesh(TomlTable table, const std::string& defaultName, const ReadCo
     table.read(k, context.frame, mesh);
     if (mesh.color && !mesh.holdout)
         throw Error(ErrorKind::input,
-                    fmt::format("{}: {} shows a mesh that does not hide what is behind it; expected "
-                                "{} = true",
+                    fmt::format("{}: {} shows a mesh that does not hide what is behind it; expected {} = true",
                                 table.where(), k.color, k.holdout.name));
     table.finish();
     return mesh;
