@@ -227,7 +227,7 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
         if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
     };
     const auto backdrop = hasBackdrop(scene) ? std::make_unique<const BackdropRays>(scene, [&] { goOn(0); }) : nullptr;
-    if (backdrop) backdrop->begin(frame);
+    if (backdrop) beginBackdrop(*backdrop, frame);
     const auto add = [&](const GroupPlan& group, const PixelTiles& tiles, Frame& to) {
         resolve(scene, plan, group, tiles, to);
         if (backdrop) takeFromBackdrop(plan, group, tiles, *backdrop, to);
@@ -236,7 +236,7 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
         const auto soFar = [&] {
             Frame now = frame;
             add(group, tiles, now);
-            finishBackdrop(now);
+            if (backdrop) finishBackdrop(now);
             return std::move(now.image);
         };
         if (shown) shown(soFar);
@@ -264,7 +264,7 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
         if (swept.deep) deep.push_back(std::move(*swept.deep));
     }
     finishLayers(frame);
-    finishBackdrop(frame);
+    if (backdrop) finishBackdrop(frame);
     if (scene.deep) frame.deep = combined(scene, plan, deep);
     frame.work.caughtRays = catchShadows(scene, frame, [&] { goOn(1); });
     return frame;

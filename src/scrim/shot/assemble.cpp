@@ -21,8 +21,7 @@ namespace {
 
 // The number of pixels that the shortest edge of a voxel covers where the volume comes closest to the camera.
 double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4& wsFromIs) {
-    double edge = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis) edge = std::min(edge, glm::length(Vec3(wsFromIs[axis])));
+    const double edge = smallest(voxelEdges(wsFromIs));
     const Bounds ws = transformed(wsFromIs, field.isBounds());
     const double distance = glm::distance(glm::clamp(camera.wsPosition, ws.lower, ws.upper), camera.wsPosition);
     return edge / std::max(pixelAt(camera, distance), 1e-300);

@@ -6,6 +6,7 @@
 #include <scrim/geometry/even_points.h>
 #include <scrim/scene/light_at.h>
 #include <scrim/scene/optics.h>
+#include <scrim/volume/coarser.h>
 
 #include <algorithm>
 #include <cmath>
@@ -73,14 +74,8 @@ struct PilotLight {
     double power;  // irradiance, or radiant intensity
 };
 
-// The edges of voxels, world units.
-Vec3 edgesOf(const ViewVolume& volume) {
-    const auto edge = [&](int axis) { return glm::length(Vec3(volume.wsFromIs[axis])); };
-    return {edge(0), edge(1), edge(2)};
-}
-
 double voxelOf(const ViewVolume& volume) {
-    return smallest(edgesOf(volume));
+    return smallest(voxelEdges(volume.wsFromIs));
 }
 
 // The scene as pilot rays see it.
@@ -89,12 +84,13 @@ class PilotScene {
     /// `like`: the scene whose steps the rays take; null: they are chosen for this one.
     explicit PilotScene(const ViewScene& scene, const PilotScene* like = nullptr) {
         FieldSamplers samplers;
-        if (like != nullptr ? like->m_step == kFlatStep : anyFlat(scene)) m_step = kFlatStep;
+        m_flat = like != nullptr ? like->m_flat : anyFlat(scene);
+        m_step = m_flat ? kFlatStep : kStep;
         for (const ViewVolume& volume : scene.volumes) {
             if (volume.field->empty() && volume.emission.empty()) continue;
             PilotVolume& own = m_volumes.emplace_back(volume, samplers);
             for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) own.bounds.include(corner);
-            if (m_step == kFlatStep) {
+            if (m_flat) {
                 own.bounds.lower -= kFlatReach * voxelOf(volume);
                 own.bounds.upper += kFlatReach * voxelOf(volume);
             }
@@ -137,7 +133,7 @@ class PilotScene {
         double exact = 0, texels = 0, alpha = 0, thickness = 0;
     };
     Seen look(const Vec3& origin, const Vec3& direction, double jitter, bool texels = true) const {
-        if (m_step == kFlatStep) jitter = 0.5;
+        if (m_flat) jitter = 0.5;
         Seen seen;
         const auto [first, last] = m_bounds.clip(origin, direction, 0, kFar);
         if (!(first < last)) return seen;
@@ -357,6 +353,7 @@ class PilotScene {
     Bounds m_bounds;
     double m_voxel = 1;
     double m_step = kStep;  // voxels
+    bool m_flat = false;    // some voxels are
     double m_reach = 0;     // of the largest texels, world units
     bool m_even = true;
     Vec3 m_u, m_v;
@@ -365,7 +362,7 @@ class PilotScene {
 }  // namespace
 
 double flatness(const ViewVolume& volume) {
-    return largest(edgesOf(volume)) / voxelOf(volume);
+    return largest(voxelEdges(volume.wsFromIs)) / voxelOf(volume);
 }
 
 bool anyFlat(const ViewScene& scene) {

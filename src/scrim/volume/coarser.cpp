@@ -201,11 +201,15 @@ SparseField sharpened(const SparseField& field, const HalvedAxes& halved) {
 
 }  // namespace
 
+Vec3 voxelEdges(const Mat4& wsFromIs) {
+    const auto edge = [&](int axis) { return glm::length(Vec3(wsFromIs[axis])); };
+    return {edge(0), edge(1), edge(2)};
+}
+
 HalvedAxes shortAxes(const Mat4& wsFromIs) {
     constexpr double kAlike = 1.5;
-    Vec3 edges;
-    for (int axis = 0; axis < 3; ++axis) edges[axis] = glm::length(Vec3(wsFromIs[axis]));
-    const double longest = kAlike * std::min({edges.x, edges.y, edges.z});
+    const Vec3 edges = voxelEdges(wsFromIs);
+    const double longest = kAlike * smallest(edges);
     return {edges.x < longest, edges.y < longest, edges.z < longest};
 }
 

@@ -17,6 +17,9 @@ using HalvedAxes = std::array<bool, 3>;
 
 inline constexpr HalvedAxes kAllAxes{true, true, true};
 
+/// The lengths of a voxel's edges, world units.
+Vec3 voxelEdges(const Mat4& wsFromIs);
+
 /// Those axes along which voxels are shortest; edges of less than 1.5 times the shortest count as equal to it.
 HalvedAxes shortAxes(const Mat4& wsFromIs);
 

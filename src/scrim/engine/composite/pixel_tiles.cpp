@@ -259,10 +259,25 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
     });
 }
 
+void beginBackdrop(const BackdropRays& backdrop, Frame& frame) {
+    const PixelWindow& region = frame.image.window;
+    const int n = backdrop.antialias();
+    const float share = 1.0f / float(n * n);
+    std::vector<float>& data = find(frame, Layer::backdrop)->data;
+    data.assign(4 * region.pixelCount(), 0.0f);
+    float* pixel = data.data();
+    for (int y = region.y0; y < region.y1; ++y)
+        for (int x = region.x0; x < region.x1; ++x, pixel += 4)
+            for (int k = 0; k < n * n; ++k) {
+                const auto& seen = backdrop.ray(x * n + k % n, y * n + k / n);
+                for (std::size_t c = 0; c < 4; ++c) pixel[c] += share * seen[c];
+            }
+}
+
 void takeFromBackdrop(const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, const BackdropRays& backdrop,
                       Frame& frame) {
-    FrameLayer* const layer = find(frame, Layer::backdrop);
-    if (!(group.primary > 0) || layer == nullptr) return;
+    if (!(group.primary > 0)) return;
+    std::vector<float>& data = find(frame, Layer::backdrop)->data;
     const EyePart& part = plan.eyeParts[group.eyePart];
     const int n = backdrop.antialias();
     parallelFor(std::size_t(part.window.height()), [&](std::size_t row) {
@@ -270,10 +285,25 @@ void takeFromBackdrop(const Plan& plan, const GroupPlan& group, const PixelTiles
         for (int x = part.window.x0; x < part.window.x1; ++x) {
             const auto weight = static_cast<float>(part.weight(x + 0.5, y + 0.5) / (n * n) * group.primary);
             const Hidden lost = hiddenOf(tiles, n, x, y, backdrop);
-            float* pixel = layer->data.data() + frame.image.indexOf(x, y);
+            float* pixel = data.data() + frame.image.indexOf(x, y);
             for (std::size_t c = 0; c < 4; ++c) pixel[c] -= weight * lost[c];
         }
     });
+}
+
+void finishBackdrop(Frame& frame) {
+    std::vector<float>& data = find(frame, Layer::backdrop)->data;
+    std::vector<float> rgb;
+    for (std::size_t i = 0; i < data.size(); ++i) {
+        const float seen = std::max(data[i], 0.0f);
+        float& value = frame.image.rgba[i];
+        value += seen;
+        if (i % 4 == 3)
+            value = std::min(value, 1.0f);
+        else
+            rgb.push_back(seen);
+    }
+    data = std::move(rgb);
 }
 
 void finishLayers(Frame& frame) {

@@ -154,9 +154,16 @@ Frame emptyFrame(const ViewScene& scene);
 /// Adds the result of the sweep of `group`, which is in `tiles`.
 void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, Frame& frame);
 
-/// Takes from the layer `backdrop` what the volumes hide of it in a group's sweep.
+/// Begins the layer `backdrop`, which the frame must have, as if there were no volumes. It has four floats a pixel
+/// until finishBackdrop().
+void beginBackdrop(const BackdropRays& backdrop, Frame& frame);
+
+/// Takes from that layer what the volumes hide of it in a group's sweep.
 void takeFromBackdrop(const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, const BackdropRays& backdrop,
                       Frame& frame);
+
+/// Adds that layer to the picture and its alpha.
+void finishBackdrop(Frame& frame);
 
 /// Completes the layers that depend on the sum of all sweeps.
 void finishLayers(Frame& frame);

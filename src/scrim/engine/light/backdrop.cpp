@@ -22,11 +22,6 @@ bool coloured(const Solid& solid) {
     return solid.color.has_value();
 }
 
-FrameLayer* backdropOf(Frame& frame) {
-    const auto found = std::ranges::find(frame.layers, Layer::backdrop, &FrameLayer::layer);
-    return found == frame.layers.end() ? nullptr : &*found;
-}
-
 }  // namespace
 
 bool hasBackdrop(const ViewScene& scene) {
@@ -166,38 +161,6 @@ BackdropRays::BackdropRays(const ViewScene& scene, const Checkpoint& checkpoint)
         parallelFor(std::min(kRows, rows - first),
                     [&](std::size_t r) { fillRow(top + kEdge * static_cast<int>(first + r)); });
     }
-}
-
-void BackdropRays::begin(Frame& frame) const {
-    FrameLayer* layer = backdropOf(frame);
-    if (layer == nullptr) return;
-    const PixelWindow& region = frame.image.window;
-    const float share = 1.0f / float(m_antialias * m_antialias);
-    layer->data.assign(4 * region.pixelCount(), 0.0f);
-    float* pixel = layer->data.data();
-    for (int y = region.y0; y < region.y1; ++y)
-        for (int x = region.x0; x < region.x1; ++x, pixel += 4)
-            for (int k = 0; k < m_antialias * m_antialias; ++k) {
-                const auto& seen = ray(x * m_antialias + k % m_antialias, y * m_antialias + k / m_antialias);
-                for (std::size_t c = 0; c < 4; ++c) pixel[c] += share * seen[c];
-            }
-}
-
-void finishBackdrop(Frame& frame) {
-    FrameLayer* layer = backdropOf(frame);
-    const std::size_t pixels = frame.image.rgba.size() / 4;
-    if (layer == nullptr || layer->data.size() != 4 * pixels) return;
-    std::vector<float> rgb(3 * pixels);
-    for (std::size_t i = 0; i < 4 * pixels; ++i) {
-        const float seen = std::max(layer->data[i], 0.0f);
-        float& value = frame.image.rgba[i];
-        value += seen;
-        if (i % 4 == 3)
-            value = std::min(value, 1.0f);
-        else
-            rgb[i / 4 * 3 + i % 4] = seen;
-    }
-    layer->data = std::move(rgb);
 }
 
 }  // namespace scrim

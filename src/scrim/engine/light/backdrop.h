@@ -5,7 +5,6 @@
 
 #include <scrim/base/messages.h>
 #include <scrim/engine/light/marched_light.h>
-#include <scrim/engine/model/frame.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/scene/view_scene.h>
 
@@ -54,9 +53,6 @@ class BackdropRays {
     /// it is interpolated. Calls `checkpoint` now and then.
     BackdropRays(const ViewScene& scene, const Checkpoint& checkpoint);
 
-    /// Begins the layer `backdrop` of `frame`, as if there were no volumes. It has four floats a pixel until
-    /// finishBackdrop().
-    void begin(Frame& frame) const;
     /// The radiance and alpha of the ray (x, y) of the antialiasing raster.
     const std::array<float, 4>& ray(int x, int y) const { return m_rays[indexOf(x, y)]; }
     int antialias() const { return m_antialias; }  ///< n, of n x n rays a pixel
@@ -71,8 +67,5 @@ class BackdropRays {
     PixelWindow m_window;  // in rays
     std::vector<std::array<float, 4>> m_rays;
 };
-
-/// Adds the layer `backdrop` to the picture and its alpha, if the frame has the layer.
-void finishBackdrop(Frame& frame);
 
 }  // namespace scrim

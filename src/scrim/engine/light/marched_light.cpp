@@ -51,8 +51,8 @@ Rgb MarchedLight::transmittance(std::size_t light, const Vec3& ws) const {
 }
 
 Rgb MarchedLight::irradiance(const Vec3& ws, const Vec3& normal) const {
-    // Of the distance to the eye or light that a ray starts off its own surface.
-    constexpr double kOff = 1e-6;
+    constexpr double kOff = 1e-6;  // of the distance from the origin, by which a ray leaves its own surface
+    const double off = kOff * (glm::length(ws) + 1);
     const bool solid = solidsBlock(m_scene);
     Rgb sum(0);
     for (std::size_t i = 0; i < m_parts.size(); ++i)
@@ -62,7 +62,6 @@ Rgb MarchedLight::irradiance(const Vec3& ws, const Vec3& normal) const {
             if (!(cosine > 0) || arriving.irradiance == Rgb(0)) continue;
             Rgb sent = cosine * arriving.irradiance;
             if (m_scene.lights[i].shadows) {
-                const double off = kOff * (glm::length(ws) + 1);
                 if (solid && m_scene.solids->firstHit(SolidRole::shadow, ws, -arriving.travel, off, arriving.distance) <
                                  arriving.distance)
                     continue;
