@@ -213,6 +213,7 @@ void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Shot
     if (chosen.scattering) setScattering(scene.dials, chosen.scattering->choice);
     if (!scene.keepsPromise) return;
     if (!scene.dials.lod) scene.dials.lod = chosen.dials.lod;
+    if (!scene.dials.lightCell) scene.dials.lightCell = chosen.dials.lightCell;
     scene.dials.texel = chosen.dials.texel;
     scene.dials.sheetThickness = chosen.dials.sheetThickness;
     scene.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, chosen.dials.opacityCutoff);

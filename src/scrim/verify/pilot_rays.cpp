@@ -30,7 +30,6 @@ constexpr double kReach = 2.25;       // of texels: two along one axis, one alon
 constexpr double kMostDepth = 7;      // optical depth at which a ray ends
 constexpr int kMostSteps = 400;       // per ray
 constexpr double kSure = 0.22;        // standard deviation of the mean square, relative to it
-constexpr int kMostRays = 384;        // however large the deviation is
 constexpr double kFar = 1e300;
 constexpr std::size_t kMostLights = 3;
 constexpr double kFourPi = 4 * glm::pi<double>();
@@ -448,7 +447,7 @@ double CoarserPilot::error(const ViewScene& coarser) const {
     return squares > 0 && values > 0 ? oneDeviationAbove(squares, fourths, values, count) : 0;
 }
 
-double pilotError(const ViewScene& given, int rays) {
+double pilotError(const ViewScene& given, int rays, int mostRays) {
     const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostLights));
     const RayFamily family = wsRays(scene.camera);
     const Int2 size = scene.camera.resolution;
@@ -487,7 +486,7 @@ double pilotError(const ViewScene& given, int rays) {
         // rays have most of it, so it takes more: 48 rays found 0.4 of it in layers, 384 rays 0.8. What is returned is
         // one standard deviation above.
         const double deviation = deviationOf(all.squares, all.fourths, all.count);
-        if (!(deviation > kSure) || rays >= kMostRays || all.count * 2 < rays)
+        if (!(deviation > kSure) || rays >= mostRays || all.count * 2 < rays)
             return oneDeviationAbove(all.squares, all.fourths, all.values, all.count);
     }
 }

@@ -19,9 +19,11 @@ double flatness(const ViewVolume& volume);
 /// True if a volume has voxels of more than 1 : 2.
 bool anyFlat(const ViewScene& scene);
 
+inline constexpr int kMostPilotRays = 384;
+
 /// A rough relative RMSE that texels of one voxel, of each volume its own, leave along `rays` rays over the whole
-/// picture, or up to 384 where these disagree. It serves to compare scenes. 0 where nothing is visible.
-double pilotError(const ViewScene& scene, int rays);
+/// picture, or up to `mostRays` where these disagree. It serves to compare scenes. 0 where nothing is visible.
+double pilotError(const ViewScene& scene, int rays, int mostRays = kMostPilotRays);
 
 /// What coarser fields leave in the picture of a scene.
 class CoarserPilot {

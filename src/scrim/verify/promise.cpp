@@ -10,6 +10,7 @@
 #include <scrim/scene/optics.h>
 #include <scrim/scene/phase_over_caps.h>
 #include <scrim/scene/quality.h>
+#include <scrim/verify/light_cell_pilot.h>
 #include <scrim/verify/pilot_picture.h>
 #include <scrim/verify/pilot_rays.h>
 
@@ -183,8 +184,8 @@ ViewScene unlit(ViewScene scene) {
     return scene;
 }
 
-// The model of a scene of media, by rays.
-ToleranceModel modelOfMedia(const ViewScene& scene) {
+// The model of a scene of media, by at most so many rays.
+ToleranceModel modelOfMedia(const ViewScene& scene, int mostRays) {
     // The scenes in which the errors were measured had lights. Where none shines, sheets lie along the picture and only
     // edges of the volume are visible: the error is twice as large, and larger in thin media.
     constexpr double kUnlit = 2;
@@ -195,9 +196,9 @@ ToleranceModel modelOfMedia(const ViewScene& scene) {
     // Cells leave an error of their own where voxels are opaque; finer texels cost less than finer cells.
     constexpr double kSoft = 1.5, kSoftAndOpaque = 2, kOpaque = 1;
     const double soft = !softlyLit(scene) ? 1 : depthOfVoxel(scene) > kOpaque ? kSoftAndOpaque : kSoft;
-    double error = pilotError(scene, kRays);
+    double error = pilotError(scene, kRays, mostRays);
     // Lights that miss all volumes say nothing about the error.
-    if (lit && error == 0) error = kUnlit * pilotError(unlit(scene), kRays);
+    if (lit && error == 0) error = kUnlit * pilotError(unlit(scene), kRays, mostRays);
     ToleranceModel model = expectedModel((lit ? 1 : kUnlit) * soft * error, meanSlant(scene));
     // A ball of 1 : 1 : 1/100, 1/1000: sheets of 1.5 voxels left 1.4 %, where texels of half a voxel left 0.3.
     constexpr double kFlatSheets = 2.5;
@@ -299,13 +300,18 @@ double finestFor(double promised, bool classified) {
     return classified ? std::clamp(std::floor(28 * std::pow(promised / 0.02, 0.47)) / 100, 0.12, 0.5) : kFinestPromised;
 }
 
-// The dials by the model of a scene's texels and sheets.
-PromisedDials dialsOf(const ViewScene& scene, double promised) {
+// The error by the model that keeps a promise.
+double aimFor(double promised) {
     // With dials this fine, kinks, rounding and quantised footprints lower the order of convergence.
     constexpr double kFine = 2e-3, kFineAim = 0.6;
+    return promised < kFine ? kFineAim * promised : promised;
+}
+
+// The dials by the model of a scene's texels and sheets. `mostRays`: of pilots through media.
+PromisedDials dialsOf(const ViewScene& scene, double promised, int mostRays = kMostPilotRays) {
     const bool classified = anyClassified(scene);
-    return dialsFor(scene.dials, classified ? modelOfSurfaces(scene) : modelOfMedia(scene),
-                    promised < kFine ? kFineAim * promised : promised, finestFor(promised, classified));
+    return dialsFor(scene.dials, classified ? modelOfSurfaces(scene) : modelOfMedia(scene, mostRays), aimFor(promised),
+                    finestFor(promised, classified));
 }
 
 // A rough time of a render, seconds: footprints with their texels, and pixels with the sheets that they meet, a third
@@ -342,16 +348,20 @@ std::pair<std::uint64_t, double> voxelsOf(const ViewScene& scene) {
     return voxels;
 }
 
-// Coarser fields where voxels are smaller than the promise needs: `scene` and `out` become those of the value of `lod`
-// with the least time. Fields and texels each take a part of the promise.
-void chooseCoarser(const std::function<ViewScene(double)>& atLod, ViewScene& scene, PromisedDials& out) {
-    constexpr double kFirst = 0.25, kStep = 1.41421356, kLast = 8, kMostOfPromise = 0.85, kClearly = 0.9;
+// A scene with coarser fields, and what they leave of the promise.
+struct Coarser {
+    double lod;
+    ViewScene scene;
+    double error;
+};
+
+// Those with an error that leaves texels a part of the promise, with growing voxels.
+std::vector<Coarser> coarserWithin(const std::function<ViewScene(double)>& atLod, const ViewScene& fine, double most) {
+    constexpr double kFirst = 0.25, kStep = 1.41421356, kLast = 8;
     constexpr int kCoarserRays = 192;
-    const double promised = out.promised;
-    const ViewScene fine = scene;
-    auto voxels = voxelsOf(fine);
     const CoarserPilot pilot(fine, kCoarserRays);
-    double least = kClearly * roughSeconds(scene, out.dials);
+    auto voxels = voxelsOf(fine);
+    std::vector<Coarser> all;
     for (double exact = kFirst; exact <= kLast; exact *= kStep) {
         const double lod = std::round(100 * exact) / 100;  // easy to read and to type again
         ViewScene tried;
@@ -365,25 +375,46 @@ void chooseCoarser(const std::function<ViewScene(double)>& atLod, ViewScene& sce
         if (voxelsOf(tried) == voxels) continue;
         voxels = voxelsOf(tried);
         const double error = pilot.error(tried);
-        if (error > kMostOfPromise * promised) break;
-        PromisedDials dials = dialsOf(tried, std::sqrt(promised * promised - error * error));
-        const double seconds = roughSeconds(tried, dials.dials);
-        if (seconds > least) continue;
-        least = seconds;
-        dials.dials.opacityCutoff = out.dials.opacityCutoff;
-        dials.dials.lightError = out.dials.lightError;
-        out = std::move(dials);
-        out.promised = promised;
-        out.expected = std::hypot(out.expected, error);
-        out.dials.lod = lod;
-        scene = std::move(tried);
+        if (error > most) break;
+        all.push_back({lod, std::move(tried), error});
     }
+    return all;
+}
+
+// The dials of a scene with the fields that take the least time; `scene` becomes the one that has them. Fields and
+// texels each take a part of the promise. Most time is that of the pilots of texels, so a few rays compare fields, from
+// the coarsest on until finer ones no longer take less.
+PromisedDials withCoarser(const std::function<ViewScene(double)>& atLod, double promised, ViewScene& scene) {
+    constexpr double kMostOfPromise = 0.85, kClearly = 0.9;
+    constexpr int kFewRays = 2 * kRays;
+    std::vector<Coarser> all = coarserWithin(atLod, scene, kMostOfPromise * promised);
+    const auto leftBy = [&](const Coarser& some) { return std::sqrt(promised * promised - some.error * some.error); };
+    Coarser* best = nullptr;
+    double least = all.empty() ? 0 : kClearly * roughSeconds(scene, dialsOf(scene, promised, kFewRays).dials);
+    for (auto tried = all.rbegin(); tried != all.rend(); ++tried) {
+        const double seconds = roughSeconds(tried->scene, dialsOf(tried->scene, leftBy(*tried), kFewRays).dials);
+        if (seconds < least)
+            best = &*tried, least = seconds;
+        else if (best != nullptr)
+            break;
+    }
+    if (best == nullptr) return dialsOf(scene, promised);
+    PromisedDials out = dialsOf(best->scene, leftBy(*best));
+    out.expected = std::hypot(out.expected, best->error);
+    out.dials.lod = best->lod;
+    // What the error of fields takes is not taken from these.
+    out.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, aimFor(promised) / 10);
+    out.dials.lightError = std::min(scene.dials.lightError, aimFor(promised) / 2);
+    scene = std::move(best->scene);
+    return out;
 }
 
 }  // namespace
 
 PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
                             const std::function<ViewScene(double)>& atLod) {
+    // Of the promise: with all that texels and sheets may leave, this makes 1.06 times.
+    constexpr double kOfLightCells = 0.35;
     ViewScene scene = given;
     const bool classified = anyClassified(scene);
     // Flat voxels begin with some that are far thinner than a pixel already: rays through those of 1 : 1000 would take
@@ -392,13 +423,13 @@ PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
     const bool flat = !classified && atLod && anyFlat(scene);
     if (flat) scene = atLod(kOfFlat);
     const double promised = promisedError(quality, classified), finest = finestFor(promised, classified);
-    PromisedDials out = dialsOf(scene, promised);
+    PromisedDials out = classified || !atLod ? dialsOf(scene, promised) : withCoarser(atLod, promised, scene);
     out.promised = promised;
-    if (flat) out.dials.lod = kOfFlat;
-    if (classified)
-        boundSurfaces(out.dials);
-    else if (atLod)
-        chooseCoarser(atLod, scene, out);
+    if (classified) boundSurfaces(out.dials);
+    if (const auto cells = largerLightCells(scene, kOfLightCells * promised)) {
+        out.dials.lightCell = cells->cell;
+        out.expected = std::hypot(out.expected, cells->expected);
+    }
     if (!classified) addThickness(scene, out);
     if (classified && softlyLit(scene)) {
         addLargeCells(scene, out);

@@ -5,6 +5,9 @@
 #include <scrim/base/parallel.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/scene/quality.h>
+#include <scrim/engine/plan/transport_plan.h>
+#include <scrim/verify/light_cell_pilot.h>
+#include <scrim/verify/pilot_picture.h>
 #include <scrim/verify/pilot_rays.h>
 #include <scrim/verify/promise.h>
 #include <scrim/verify/verify.h>
@@ -269,6 +272,49 @@ TEST(Presets, LeaveLittleMoreThanTheyPromiseWithoutALight) {
                     << ", sheets " << chosen.dials.sheetThickness;
             }
         }
+}
+
+// Balls of smoke that lie far apart, under a sky and perhaps a sun.
+ViewScene farBalls(double sun) {
+    constexpr int kRadius = 28, kApart = 360;
+    ViewScene scene = smoke(kRadius, 0.1, 96);
+    const ViewVolume ball = scene.volumes.front();
+    scene.volumes.clear();
+    for (int i = 0; i < 4; ++i) {
+        ViewVolume& volume = scene.volumes.emplace_back(ball);
+        volume.wsFromIs =
+            glm::translate(Mat4(1), Vec3(kRadius * (2 * (i % 2) - 1), kRadius * (i / 2 * 2 - 1), -kApart * i)) *
+            volume.wsFromIs;
+    }
+    scene.camera.height = 5 * kRadius;
+    Light sky = scene.lights.front();
+    sky.kind = Light::Dome{};
+    sky.intensity = Rgb(0.5);
+    scene.lights = {sky};
+    if (sun > 0) scene.lights.push_back(distantLight({0.5, -1, -0.6})), scene.lights.back().intensity = Rgb(sun);
+    return scene;
+}
+
+// Beside a bright sun the picture shows little of what is lost of a sky. The error foreseen is that which is found.
+TEST(LightCells, AreLargerWhereThePictureShowsLittleOfThem) {
+    constexpr double kError = 0.003, kAlways = 0;
+    ViewScene sunny = farBalls(150);
+    const auto chosen = largerLightCells(sunny, kError, kAlways);
+    ASSERT_TRUE(chosen);
+    EXPECT_LE(chosen->expected, kError);
+    const double planned = planCellLights(sunny).levels.front().smallest() / voxelUnit(sunny);
+    EXPECT_GE(chosen->cell, 1.4 * planned);
+    sunny.dials.texel = sunny.dials.sheetThickness = 1;
+    const auto picture = [&](double cell) {
+        sunny.dials.lightCell = cell;
+        return render(sunny, makePlan(sunny, 2)).image;
+    };
+    const double found = differenceOf(picture(chosen->cell), picture(planned / 2)).error;
+    EXPECT_LT(found, 1.5 * chosen->expected);
+    EXPECT_GT(found, 0.3 * chosen->expected);
+    EXPECT_FALSE(largerLightCells(farBalls(0), kError, kAlways)) << "all of the light is on cells";
+    sunny.dials.lightCell = planned;
+    EXPECT_FALSE(largerLightCells(sunny, kError, kAlways)) << "the scene states them";
 }
 
 ViewScene surface(double radius, double bumps) {

@@ -18,15 +18,6 @@ double scatterSeconds(const TransportPlan& plan) {
     return plan.any() ? plan.cells * plan.ordinates * kSweeps * kCellDirection : 0;
 }
 
-// The same of lights on cells. For each byte of their cells, plumes under a sky, and scans of 8 and 16 million voxels,
-// took 4 to 8 ns and 0.05 to 0.1 ns more for each direction or point that stands for a light.
-double cellLightSeconds(const ViewScene& scene, const CellLightPlan& plan) {
-    constexpr double kByte = 4e-9, kByteDirection = 5e-11;
-    double directions = 0;
-    for (const int i : plan.lights) directions += subLightCount(scene, scene.lights[std::size_t(i)]);
-    return plan.lights.empty() ? 0 : double(plan.bytes) * (kByte + kByteDirection * directions);
-}
-
 std::string timeText(double seconds) {
     constexpr double kMinute = 60, kHour = 3600;
     if (seconds < kMinute) return fmt::format("{:.2g} s", seconds);
@@ -35,6 +26,15 @@ std::string timeText(double seconds) {
 }
 
 }  // namespace
+
+double cellLightSeconds(const ViewScene& scene, const CellLightPlan& plan) {
+    // For each byte of their cells, plumes under a sky, and scans of 8 and 16 million voxels,
+    // took 4 to 8 ns and 0.05 to 0.1 ns more for each direction or point that stands for a light.
+    constexpr double kByte = 4e-9, kByteDirection = 5e-11;
+    double directions = 0;
+    for (const int i : plan.lights) directions += subLightCount(scene, scene.lights[std::size_t(i)]);
+    return plan.lights.empty() ? 0 : double(plan.bytes) * (kByte + kByteDirection * directions);
+}
 
 int renderCount(const ViewScene& scene) {
     return scene.lens ? scene.lens->samples : scene.shutter ? scene.shutter->samples : 1;

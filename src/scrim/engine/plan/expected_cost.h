@@ -13,6 +13,9 @@ namespace scrim {
 /// The number of renders that the picture averages, for motion blur or depth of field.
 int renderCount(const ViewScene& scene);
 
+/// A rough time of the passes of lights on cells, seconds on one thread.
+double cellLightSeconds(const ViewScene& scene, const CellLightPlan& plan);
+
 /// A rough time of the whole picture, seconds: expectedSeconds with the solves of scattered light and the passes of
 /// lights on cells, for all renders that the picture averages. Right within a factor of three on a machine like the one
 /// that it was fitted on.

@@ -335,6 +335,7 @@ void growCells(const ViewScene& scene, CellLightPlan& plan, std::vector<double>&
 CellLightPlan planCellLights(const ViewScene& scene) {
     CellLightPlan plan;
     const std::vector<Vec3> corners = wsCorners(scene);
+    if (corners.empty()) return plan;
     const ViewScene surfaces = surfacesOf(scene);
     const bool exact = !hasSurfaces(scene) || surfacesFit(surfaces, surfaceCell(surfaces));
     std::vector<bool> inView;  // empty until it is needed, because it takes time where there are many lights

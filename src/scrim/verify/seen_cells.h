@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a few rays over the whole picture see of light on cells, and of the light beside it.
+#pragma once
+
+#include <scrim/engine/lamps/cell_light.h>
+#include <scrim/scene/view_scene.h>
+
+#include <vector>
+
+namespace scrim {
+
+/// Light on two sizes of cells, relative to the mean of all light.
+struct SeenCells {
+    double difference = 0;  ///< RMS over the rays of what one size shows beside the other
+    double share = 0;       ///< the light on the finer cells
+};
+
+/// Looks along 64 rays that meet something. `beside`: the lights that are on neither, as points and suns. Both
+/// differences are 0 where nothing is seen.
+SeenCells seenCells(const ViewScene& scene, const std::vector<Light>& beside, const std::vector<CellLight>& fine,
+                    const std::vector<CellLight>& other);
+
+}  // namespace scrim
