@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
+#include <scrim/engine/plan/expected_cost.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/geometry/even_points.h>
@@ -327,12 +328,10 @@ double roughSeconds(const ViewScene& scene, const Dials& dials) {
         // Sheets are as thin as the short edges of flat voxels, whose footprints then have many texels in many sheets:
         // a voxel of 1 : 1 : 1/100 has had 6e4 times those of a cube.
         const double flat = std::pow(flatness(volume), kFlat), voxel = voxelUnit(volume);
-        const double distance =
-            glm::distance(glm::clamp(scene.camera.wsPosition, ws.lower, ws.upper), scene.camera.wsPosition);
         const double extent = glm::length(ws.size()) / std::numbers::sqrt3;
-        const double pixels = std::pow(extent / std::max(pixelAt(scene.camera, distance), 1e-300), 2);
-        seconds += double(volume.field->activeVoxels) * (kFootprint + kTexel * across * across * flat) +
-                   std::min(pixels, picture) * extent / (dials.sheetThickness * voxel) * kPixelSheet;
+        seconds +=
+            double(volume.field->activeVoxels) * (kFootprint + kTexel * across * across * flat) +
+            std::min(pixelsOf(scene.camera, ws), picture) * extent / (dials.sheetThickness * voxel) * kPixelSheet;
     }
     return seconds;
 }

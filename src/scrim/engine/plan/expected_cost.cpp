@@ -5,7 +5,12 @@
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/make_plan.h>
 
+#include <algorithm>
+#include <numbers>
+
 #include <fmt/format.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 namespace scrim {
 namespace {
@@ -34,6 +39,12 @@ double cellLightSeconds(const ViewScene& scene, const CellLightPlan& plan) {
     double directions = 0;
     for (const int i : plan.lights) directions += subLightCount(scene, scene.lights[std::size_t(i)]);
     return plan.lights.empty() ? 0 : double(plan.bytes) * (kByte + kByteDirection * directions);
+}
+
+double pixelsOf(const Camera& camera, const Bounds& ws) {
+    const double distance = glm::distance(glm::clamp(camera.wsPosition, ws.lower, ws.upper), camera.wsPosition);
+    const double across = glm::length(ws.size()) / std::numbers::sqrt3 / std::max(pixelAt(camera, distance), 1e-300);
+    return across * across;
 }
 
 int renderCount(const ViewScene& scene) {

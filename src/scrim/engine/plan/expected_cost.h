@@ -10,6 +10,9 @@
 
 namespace scrim {
 
+/// About how many pixels a box would cover, of which the picture may have only a part; many where the eye is in it.
+double pixelsOf(const Camera& camera, const Bounds& ws);
+
 /// The number of renders that the picture averages, for motion blur or depth of field.
 int renderCount(const ViewScene& scene);
 

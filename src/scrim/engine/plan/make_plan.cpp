@@ -9,6 +9,7 @@
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/scene/slide_map.h>
 #include <scrim/engine/plan/culling.h>
+#include <scrim/engine/plan/expected_cost.h>
 #include <scrim/engine/plan/levels.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/plan/sheet_stack.h>
@@ -68,22 +69,62 @@ void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, co
                                 bytesText(group.bytes), bytesText(frameBytes), bytesText(scene.memoryLimit)));
 }
 
-void estimateWork(const ViewScene& scene, Plan& plan) {
-    double voxels = 0, footprints = 0, allTexels = 0, lightSamples = 0, pixelSheets = 0;
-    for (const ViewVolume& volume : scene.volumes) {
-        voxels += static_cast<double>(volume.field->activeVoxels);
-        for (const ViewField& scatter : volume.scatter) voxels += static_cast<double>(scatter.field->activeVoxels);
-        for (const ViewEmission& e : volume.emission) voxels += static_cast<double>(e.field.field->activeVoxels);
+double voxelsOf(const ViewVolume& volume) {
+    double voxels = static_cast<double>(volume.field->activeVoxels);
+    for (const ViewField& scatter : volume.scatter) voxels += static_cast<double>(scatter.field->activeVoxels);
+    for (const ViewEmission& e : volume.emission) voxels += static_cast<double>(e.field.field->activeVoxels);
+    return voxels;
+}
+
+double pixelCount(const Camera& camera) {
+    return double(camera.resolution.x) * camera.resolution.y;
+}
+
+// What the sheets of a level hold: the voxels of its volumes, the part that the boxes of these fill of the box around
+// them, or of all sheets where these reach over the volumes of other levels, too, and the pairs of pixels and sheets
+// that see them.
+struct Held {
+    double voxels = 0, filled = 0, pixelSheets = 0;
+
+    Held(const ViewScene& scene, const GroupPlan& level) {
+        Bounds all;
+        double boxes = 0;
+        for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+            const ViewVolume& volume = scene.volumes[v];
+            if ((!level.volumes.empty() && !level.volumes[v]) || volume.field->empty()) continue;
+            voxels += voxelsOf(volume);
+            const Bounds ts = transformed(level.sheets.tsFrom(volume.wsFromIs), volume.field->isBounds());
+            boxes += volumeOf(ts);
+            pixelSheets += std::min(pixelsOf(scene.camera, transformed(volume.wsFromIs, volume.field->isBounds())),
+                                    pixelCount(scene.camera)) *
+                           std::min(ts.size().z + 1, double(level.needed.last - level.needed.first));
+            all.include(ts);
+        }
+        const Sheets& sheets = level.sheets;
+        const double around =
+            level.volumes.empty() ? volumeOf(all) : double(sheets.width) * sheets.height * sheets.count;
+        if (boxes > 0) filled = std::min(boxes / around, 1.0);
     }
-    const double pixels = double(plan.region.width()) * plan.region.height();
+
+  private:
+    static double volumeOf(const Bounds& box) {
+        const Vec3 size = box.size() + 1.0;  // texels and sheets; no box is flat
+        return size.x * size.y * size.z;
+    }
+};
+
+void estimateWork(const ViewScene& scene, Plan& plan) {
+    double footprints = 0, allTexels = 0, lightSamples = 0, pixelSheets = 0;
+    const double seen = double(plan.region.pixelCount()) / pixelCount(scene.camera);
     const auto add = [&](const GroupPlan& group) {
+        const Held held(scene, group);
         const double share = group.needed.share(group.sheets);
-        const double texels = share * group.sheets.width * group.sheets.height * group.sheets.count;
+        const double texels = held.filled * share * group.sheets.width * group.sheets.height * group.sheets.count;
         // A voxel reaches all sheets within its kernel's extent: about one sheet more than its width.
         const double reach = 1 + 2 * kernelRadius(scene) * plan.voxel / group.sheets.thickness;
-        footprints += share * voxels * reach;
+        footprints += share * held.voxels * reach;
         allTexels += texels;
-        pixelSheets += pixels * (group.needed.last - group.needed.first);
+        pixelSheets += seen * held.pixelSheets;
         for (const PlannedLight& light : group.lights)
             if (light.shadowed)
                 lightSamples += plan.extinction.count() * texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);

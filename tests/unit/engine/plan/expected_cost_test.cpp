@@ -6,11 +6,13 @@
 #include <scrim/engine/plan/expected_cost.h>
 #include <scrim/engine/plan/make_plan.h>
 
+#include <glm/ext/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
 namespace scrim::test {
 namespace {
 
+constexpr double kStart = 5e-3;  // of expectedSeconds
 constexpr std::size_t kGigabyte = std::size_t{1} << 30;
 
 ViewScene smallScene() {
@@ -29,6 +31,22 @@ TEST(ExpectedCost, OfASmallPictureIsNotTold) {
     EXPECT_GT(roughPictureSeconds(scene, plan, 2), 0);
     EXPECT_LT(roughPictureSeconds(scene, plan, 2), 1);
     EXPECT_EQ(costWarning(scene, plan, 0, 2), "");
+}
+
+// The empty space between two volumes is not counted, and neither is each volume in the sheets of the other. Shading
+// at pixels, which unlike voxels need, counts three times.
+TEST(ExpectedCost, OfTwoVolumesIsTheSumHoweverFarApart) {
+    const auto work = [](const ViewScene& scene) { return expectedSeconds(scene, makePlan(scene, 2), 1) - kStart; };
+    const ViewScene near = smallScene();
+    for (const double larger : {1.0, 8.0}) {
+        ViewScene far = near, both = near;
+        Mat4& place = far.volumes.front().wsFromIs;
+        place = glm::translate(Mat4(1), Vec3(0, 0, -2000)) * glm::scale(Mat4(1), Vec3(larger)) * place;
+        both.volumes.push_back(far.volumes.front());
+        const double sum = work(near) + work(far), together = work(both);
+        EXPECT_GT(together, 0.7 * sum) << larger;
+        EXPECT_LT(together, (larger > 1 ? 3 : 1.4) * sum) << larger;
+    }
 }
 
 // Ten million cells, 256 directions, ten sweeps of 10 ns.
