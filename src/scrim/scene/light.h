@@ -127,7 +127,7 @@ struct Light {
     std::optional<Slide> slide;          ///< multiplies the intensity; a projector is a point light with a slide
     std::optional<Luminaire> luminaire;  ///< points and spots: multiplies the intensity by 0 to 1
     bool shadows = true;
-    bool visible = false;  ///< domes: the camera sees the sky behind the volumes
+    bool visible = false;  ///< the camera sees it: of domes the sky behind the volumes, of area lights their surface
     ShadowMethod shadow = ShadowMethod::automatic;
 
     bool distant() const { return std::holds_alternative<Distant>(kind); }

@@ -133,31 +133,54 @@ const Texture::Level& wideLevel(const Slide& slide) {
 
 namespace {
 
-// The radiance of a dome by one level of its picture, interpolated.
-Rgb onPicture(const Light& sky, const Texture::Level& picture, const Vec3& direction) {
-    const Vec2 at = pictureOfDome(sky, direction) * Vec2(picture.width, picture.height) - 0.5;
+// A level of a picture at a place in [0, 1]^2, interpolated. `round`: its right border meets the left one.
+Rgb onPicture(const Texture::Level& picture, const Vec2& place, bool round) {
+    const Vec2 at = place * Vec2(picture.width, picture.height) - 0.5;
     const Vec2 whole = glm::floor(at), part = at - whole;
     Rgb sum(0);
     for (int i = 0; i < 4; ++i) {
         const int x = static_cast<int>(whole.x) + (i & 1), y = static_cast<int>(whole.y) + (i >> 1);
-        const float* p = picture.pixel((x + picture.width) % picture.width, std::clamp(y, 0, picture.height - 1));
+        const float* p =
+            picture.pixel(round ? (x + picture.width) % picture.width : std::clamp(x, 0, picture.width - 1),
+                          std::clamp(y, 0, picture.height - 1));
         sum += ((i & 1) != 0 ? part.x : 1 - part.x) * ((i >> 1) != 0 ? part.y : 1 - part.y) * Rgb(p[0], p[1], p[2]);
     }
-    return sky.intensity * sum;
+    return sum;
+}
+
+// The radiance of a dome by one level of its picture.
+Rgb skyOn(const Texture::Level& picture, const Light& sky, const Vec3& direction) {
+    return sky.intensity * onPicture(picture, pictureOfDome(sky, direction), true);
+}
+
+// The coarsest level whose pixels are no wider than this part of the picture.
+const Texture::Level& levelFor(const Texture& picture, double part) {
+    const auto& levels = picture.levels();
+    std::size_t level = 0;
+    while (level + 1 < levels.size() && 1.0 / levels[level].width < part) ++level;
+    return levels[level];
 }
 
 }  // namespace
 
 Rgb skyAt(const Light& sky, const Vec3& direction) {
-    return sky.slide ? onPicture(sky, wideLevel(*sky.slide), direction) : sky.intensity;
+    return sky.slide ? skyOn(wideLevel(*sky.slide), sky, direction) : sky.intensity;
 }
 
 Rgb visibleSky(const Light& sky, const Vec3& direction, double angle) {
     if (!sky.slide) return sky.intensity;
-    const auto& levels = sky.slide->image->levels();
-    std::size_t level = 0;
-    while (level + 1 < levels.size() && 2 * std::numbers::pi / levels[level].width < angle) ++level;
-    return onPicture(sky, levels[level], direction);
+    return skyOn(levelFor(*sky.slide->image, angle / (2 * std::numbers::pi)), sky, direction);
+}
+
+Rgb visibleSurface(const Light& light, const Vec3& ws, const Vec3& normal, const Vec3& direction, double pixel) {
+    const Light::Area& area = *light.area();
+    const double cosine = -glm::dot(normal, direction);
+    if (cosine <= 0) return Rgb(0);
+    const Rgb radiance = light.intensity * Spread(area.spread).at(cosine);
+    if (!light.slide || !light.slide->image) return radiance;
+    const Vec3 at = (ws - light.wsPosition) * lightFrame(light);  // the transpose turns into the frame
+    return radiance * onPicture(levelFor(*light.slide->image, pixel / area.width),
+                                {0.5 + at.x / area.width, 0.5 - at.y / area.height}, false);
 }
 
 std::vector<PictureCell> domeCells(const Light& light, int count) {

@@ -31,6 +31,10 @@ Rgb skyAt(const Light& dome, const Vec3& direction);
 /// radians, those of a pixel.
 Rgb visibleSky(const Light& dome, const Vec3& direction, double angle);
 
+/// What a camera sees of an area light's surface at a place, whose normal (unit) points to where it shines, by a ray
+/// along `direction` (unit): the mean over about `pixel` world units.
+Rgb visibleSurface(const Light& light, const Vec3& ws, const Vec3& normal, const Vec3& direction, double pixel);
+
 /// At most `count` cells of a dome with a loaded picture, its suns left out, without those that are dark.
 /// Deterministic.
 std::vector<PictureCell> domeCells(const Light& light, int count);

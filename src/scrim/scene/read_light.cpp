@@ -179,6 +179,7 @@ void readArea(TomlTable& table, const std::optional<TomlValue>& slide, const Rea
     table.require(k.shape);
     area.shape = static_cast<AreaShape>(table.choice(k.shape));
     table.describe(fmt::format("{} and shape '{}'", table.description(), k.shape.words[std::size_t(area.shape)]));
+    light.visible = table.boolean(k.visible);
     if (slide && area.shape != AreaShape::rectangle)
         slide->fail(fmt::format("{} has a {}; only a rectangle can have one", table.description(), k.slide));
     if (area.shape == AreaShape::mesh) {  // its place is that of the mesh

@@ -284,10 +284,12 @@ struct LightKeys : Section {
             .onlyFor("dome")
             .keyed();
     const Key& visible =
-        boolean("visible", false,
-                "The camera sees the sky behind the volumes, suns and all. The picture then is opaque there, and has "
-                "the layer 'backdrop'.")
-            .onlyFor("dome");
+        boolean(
+            "visible", false,
+            "The camera sees the light: the sky behind the volumes, suns and all, or the surface of an area light, "
+            "which hides what is behind it and is dark from the side that it does not shine to. The picture then is "
+            "opaque there, and has the layer 'backdrop'.")
+            .onlyFor("dome and area");
     const Key& samples =
         other("samples", "\"auto\" or a whole number from 1 to 4096",
               R"({"oneOf":[{"const":"auto"},{"type":"integer","minimum":1,"maximum":4096}]})", Range::fromTo(1, 4096),

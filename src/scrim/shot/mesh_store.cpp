@@ -3,9 +3,11 @@
 
 #include <scrim/base/error.h>
 #include <scrim/guard/load_fields.h>
+#include <scrim/scene/light_surface.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -48,12 +50,23 @@ void shineFromMeshes(Scene& scene) {
 }
 
 std::shared_ptr<const Solids> solidsOf(const Scene& scene) {
-    if (scene.meshes.empty()) return nullptr;
     std::vector<Solid> solids;
     for (const SceneMesh& mesh : scene.meshes)
         solids.push_back(
             {mesh.name, mesh.mesh, mesh.wsFromMesh, mesh.holdout, mesh.shadows, mesh.catches, mesh.albedo, mesh.color});
-    return std::make_shared<const Solids>(std::move(solids));
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
+        const Light::Area* area = light.area();
+        if (!light.visible || area == nullptr) continue;
+        const auto own = std::ranges::find(solids, area->mesh, &Solid::name);
+        Solid& solid = area->shape == AreaShape::mesh && own != solids.end() ? *own : solids.emplace_back();
+        if (area->shape != AreaShape::mesh) solid.name = light.name, solid.shadows = false;
+        solid.mesh = std::make_shared<const TriangleMesh>(surfaceOf(light));
+        solid.wsFromMesh = Mat4(1);
+        solid.holdout = true;
+        solid.light = i;
+    }
+    return solids.empty() ? nullptr : std::make_shared<const Solids>(std::move(solids));
 }
 
 }  // namespace scrim

@@ -30,6 +30,8 @@ struct Solid {
 
     /// Of what the camera sees of it, a matte surface (engine/light/backdrop.h); none: nothing. Only holdouts have one.
     std::optional<Rgb> color = {};
+    /// The number of the light that it is the surface of, which the camera sees shine; none: it does not.
+    std::optional<std::size_t> light = {};
 
     bool has(SolidRole role) const {
         return role == SolidRole::holdout ? holdout : role == SolidRole::shadow ? shadows : catches;

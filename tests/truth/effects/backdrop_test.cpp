@@ -3,6 +3,7 @@
 #include "scenes.h"
 #include "support/meshes.h"
 
+#include <scrim/scene/light_surface.h>
 #include <scrim/verify/reference.h>
 
 #include <gtest/gtest.h>
@@ -104,6 +105,93 @@ TEST(Backdrop, IsDarkInTheShadowOfASolidAndHiddenByOneWithoutColour) {
     hides.color.reset();
     scene.solids = std::make_shared<Solids>(std::vector{floor, hides});
     expectPixel(renderScene(scene), Rgb(0), 0, 0);
+}
+
+// A lamp that the camera sees, whose surface is at z = 5 on the axis of the view, 4.5 units below the top of the haze.
+ViewScene lampInHaze(AreaShape shape, double spread = 180) {
+    constexpr double kRadius = 3, kSurface = 5;
+    ViewScene scene = behindHaze();
+    Light lamp;
+    lamp.name = "lamp";
+    lamp.kind = Light::Area{.shape = shape, .width = 6, .height = 6, .radius = kRadius, .spread = spread};
+    const bool round = shape == AreaShape::sphere || shape == AreaShape::cylinder;
+    lamp.wsPosition = {0, 0, round ? kSurface - kRadius : kSurface};
+    lamp.wsDirection = {0, 0, 1};
+    lamp.intensity = {3, 2, 1};
+    lamp.visible = true;
+    scene.lights = {lamp};
+    return scene;
+}
+
+void showSurface(ViewScene& scene) {
+    Solid solid{"lamp", std::make_shared<TriangleMesh>(surfaceOf(scene.lights.front())), Mat4(1.0), true, false};
+    solid.light = 0;
+    scene.solids = std::make_shared<Solids>(std::vector{solid});
+}
+
+TEST(Backdrop, IsTheSurfaceOfALampThroughTheHazeBeforeIt) {
+    for (const AreaShape shape : {AreaShape::rectangle, AreaShape::disk, AreaShape::sphere, AreaShape::cylinder}) {
+        SCOPED_TRACE(static_cast<int>(shape));
+        ViewScene scene = lampInHaze(shape);
+        showSurface(scene);
+        const Frame frame = renderScene(scene);
+        // A pixel lies beside the axis, so the surface of a ball is a little farther away there.
+        expectPixel(frame, std::exp(-4.5 * kSigma) * Rgb(3, 2, 1), 1, 0.02);
+        const auto truth = Reference(scene).pixel(10, 10), seen = pixelOf(frame, 10, 10);
+        for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(seen[c], truth[c], 1e-3) << c;
+        const auto beside = pixelOf(frame, 0, 0);
+        EXPECT_EQ(beside[0], 0);
+        EXPECT_NEAR(beside[3], 1 - std::exp(-20 * kSigma), 1e-3) << "beside it, the haze alone";
+    }
+}
+
+TEST(Backdrop, IsDarkBehindALampThatShinesToOneSideAndNarrowerWithASpread) {
+    for (const AreaShape shape : {AreaShape::rectangle, AreaShape::disk}) {
+        ViewScene scene = lampInHaze(shape);
+        scene.lights.front().wsDirection = {0, 0, -1};
+        showSurface(scene);
+        expectPixel(renderScene(scene), Rgb(0), 1, 1e-6);
+        scene = lampInHaze(shape, 60);
+        showSurface(scene);
+        const double half = kPi / 6, along = std::tan(half) / (std::tan(half) - half);
+        expectPixel(renderScene(scene), along * std::exp(-4.5 * kSigma) * Rgb(3, 2, 1), 1, 0.02);
+    }
+}
+
+// The left half of the picture is red, the lower right quarter green. The eye is on the side that the lamp shines to.
+TEST(Backdrop, IsThePictureOfARectangle) {
+    ViewScene scene = lampInHaze(AreaShape::rectangle);
+    scene.volumes[0].medium.densityScale = 0;
+    scene.lights.front().intensity = Rgb(1);
+    Image picture = emptyImage({0, 0, 2, 2});
+    for (const int red : {0, 2}) picture.rgba[std::size_t(4 * red)] = 1;
+    picture.rgba[4 * 3 + 1] = 1;
+    scene.lights.front().slide.emplace().image = std::make_shared<const Texture>(picture);
+    showSurface(scene);
+    const Frame frame = renderScene(scene);
+    const auto at = [&](int x, int y) { return pixelOf(frame, 10 + x, 10 + y); };  // the middles of the quarters
+    EXPECT_NEAR(at(-2, -2)[0], 1, 1e-6);
+    EXPECT_NEAR(at(-2, 1)[0], 1, 1e-6);
+    EXPECT_NEAR(at(1, -2)[1], 0, 1e-6);
+    EXPECT_NEAR(at(1, 1)[1], 1, 1e-6);
+}
+
+TEST(SurfaceOfALight, HasItsAreaAndShinesOutwards) {
+    for (const AreaShape shape : {AreaShape::rectangle, AreaShape::disk, AreaShape::sphere, AreaShape::cylinder}) {
+        ViewScene scene = lampInHaze(shape);
+        Light& light = scene.lights.front();
+        light.wsDirection = glm::normalize(Vec3(1, 2, 3));
+        const TriangleMesh mesh = surfaceOf(light);
+        double area = 0;
+        const bool round = shape == AreaShape::sphere || shape == AreaShape::cylinder;
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            const Vec3 cross = mesh.cross(t);
+            area += 0.5 * glm::length(cross);
+            const Vec3 out = round ? mesh.middle(t) - light.wsPosition : light.wsDirection;
+            EXPECT_GE(glm::dot(cross, out), 0) << static_cast<int>(shape) << " " << t;  // a disk's middle has no area
+        }
+        EXPECT_NEAR(area / light.area()->area(), 1, 2e-3) << static_cast<int>(shape);
+    }
 }
 
 // A ball before a sky in haze that reaches behind it: at its silhouette each ray has its own part of both.

@@ -165,6 +165,9 @@ TEST(SceneOutput, HasALayerOfWhatIsSeenBesidesVolumes) {
     const auto layers = [](const std::string& lines) { return read(kScene + lines).output.layers; };
     EXPECT_TRUE(layers(sky + mesh).empty());
     EXPECT_EQ(layers(sky + "visible = true\n"), std::vector{Layer::backdrop});
+    EXPECT_EQ(
+        layers("[[light]]\ntype = \"area\"\nshape = \"sphere\"\nradius = 1\nposition = [0, 9, 0]\nvisible = true\n"),
+        std::vector{Layer::backdrop});
     EXPECT_EQ(layers(mesh + color), std::vector{Layer::backdrop});
     EXPECT_EQ(layers(mesh + color + "[output]\nlayers = [\"backdrop\", \"depth\"]\n"),
               (std::vector{Layer::depth, Layer::backdrop}));

@@ -38,16 +38,23 @@ Backdrop::Met Backdrop::meets(double x, double y) const {
     if (m_scene.solids) {
         const SolidHit hit = m_scene.solids->trace(SolidRole::holdout, origin, way, m_rays.near, kInfinity);
         if (hit.solid != nullptr) {
+            const Vec3 normal = glm::normalize(hit.wsNormal), ws = origin + hit.t * way;
+            if (hit.solid->light) {
+                const double away = m_scene.camera.type == CameraType::orthographic ? 1 : hit.t * glm::length(way);
+                const Rgb shines =
+                    visibleSurface(m_scene.lights[*hit.solid->light], ws, normal, direction, m_pixel * away);
+                met.shines = {shines.x, shines.y, shines.z, 1};
+                return met;
+            }
             if (!hit.solid->color) return met;
-            const Vec3 normal = glm::normalize(hit.wsNormal);
-            return {hit.solid, origin + hit.t * way, glm::dot(normal, direction) > 0 ? -normal : normal, {}};
+            return {hit.solid, ws, glm::dot(normal, direction) > 0 ? -normal : normal, {}};
         }
     }
     for (const Light& light : m_scene.lights) {
-        if (!light.visible) continue;
+        if (!light.visible || !light.dome()) continue;
         const Rgb sky = visibleSky(light, direction, m_pixel);
-        for (int c = 0; c < 3; ++c) met.sky[std::size_t(c)] += sky[c];
-        met.sky[3] = 1;
+        for (int c = 0; c < 3; ++c) met.shines[std::size_t(c)] += sky[c];
+        met.shines[3] = 1;
     }
     return met;
 }
@@ -75,7 +82,7 @@ class BackdropBlock {
         fill(Int2(0), kEdge);
     }
     std::array<double, 4> at(int x, int y) const {
-        return m_met[y][x].solid != nullptr ? shown(m_met[y][x], m_filled[y][x]) : m_met[y][x].sky;
+        return m_met[y][x].solid != nullptr ? shown(m_met[y][x], m_filled[y][x]) : m_met[y][x].shines;
     }
 
   private:
@@ -131,7 +138,7 @@ class BackdropBlock {
 
 std::array<double, 4> Backdrop::at(double x, double y) const {
     const Met met = meets(x, y);
-    return met.solid != nullptr ? shown(met, lightOn(met)) : met.sky;
+    return met.solid != nullptr ? shown(met, lightOn(met)) : met.shines;
 }
 
 std::size_t BackdropRays::bytes(const ViewScene& scene) {

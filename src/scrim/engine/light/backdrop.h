@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the camera sees besides volumes: solids that have a colour, as matte surfaces, and skies that are visible. It
+// What the camera sees besides volumes: solids that have a colour, as matte surfaces, and lights that are visible. It
 // lies behind the volumes, or among them where solids hold these out, and is multiplied by what they let through.
 #pragma once
 
@@ -22,11 +22,12 @@ class Backdrop {
     /// `scene` must outlive this object.
     explicit Backdrop(const ViewScene& scene);
 
-    /// What a ray meets: a solid with a colour at a place, or nothing but the sky, whose radiance is `sky`, with alpha.
+    /// What a ray meets: a solid with a colour at a place, or what shines by itself, a light's surface or the sky, with
+    /// its radiance and alpha.
     struct Met {
         const Solid* solid = nullptr;
         Vec3 ws{0}, normal{0};  ///< the normal is unit and on the eye's side
-        std::array<double, 4> sky{};
+        std::array<double, 4> shines{};
     };
     /// The ray through raster position (x, y) of the picture without antialiasing.
     Met meets(double x, double y) const;

@@ -107,7 +107,9 @@ Effect solids(const ViewScene& scene, SolidRole role, const std::string& name, c
     Finder found(scene);
     if (scene.solids)
         for (const Solid& solid : scene.solids->all())
-            if (solid.has(role)) found.add(quoted(solid.name), "mesh." + solid.name + key);
+            if (solid.has(role))
+                found.add(quoted(solid.name),
+                          solid.light ? "light." + solid.name + ".visible" : "mesh." + solid.name + key);
     return found.effect(name, "of ", otherwise);
 }
 
@@ -118,7 +120,7 @@ Effect backdrop(const ViewScene& scene) {
     if (scene.solids)
         for (const Solid& solid : scene.solids->all())
             if (solid.color) found.add(quoted(solid.name), "mesh." + solid.name + ".color");
-    return found.effect("backdrop", "of ", "no sky is visible, and no mesh has a color");
+    return found.effect("backdrop", "of ", "no light is visible, and no mesh has a color");
 }
 
 Effect heldVolumes(const ViewScene& scene) {
