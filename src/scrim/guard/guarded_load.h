@@ -53,7 +53,7 @@ class GuardedFields {
         bool operator==(const Identity&) const = default;
     };
     static Identity identityOf(const std::string& path);
-    /// Those of all files as they are now.
+    /// The identities of all files as these are now.
     std::vector<Identity> identities() const;
 
     std::string m_path;

@@ -25,7 +25,7 @@ std::vector<SparseField> loadFields(const std::string& path, const std::vector<G
                                     const LoadOptions& options, const MessageSink& messages,
                                     const Checkpoint& checkpoint = {}, const GridEdit* edit = nullptr);
 
-/// The same of grids of a source or from code; `name` stands for the file in messages.
+/// The fields that `requests` mean among grids of a source or from code; `name` stands for the file in messages.
 std::vector<SparseField> editedFields(const std::vector<SparseField>& grids, const std::string& name,
                                       const std::vector<GridRequest>& requests, const GridEdit& edit,
                                       const LoadOptions& options, const MessageSink& messages,

@@ -21,10 +21,10 @@ class GridEditor;
 /// each component. Values lie in `memory`.
 std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
                                     const MessageSink& messages, BlockMemory& memory, const PointLook& look = {});
-/// The same of grids that were edited, or put together from several files.
+/// The fields that `requests` mean among the grids of several files, after `editor` has edited these.
 std::vector<SparseField> readFields(const VdbFiles& files, const std::vector<GridRequest>& requests,
                                     const GridEditor& editor, const MessageSink& messages);
-/// The same of the grids of a source called `name`.
+/// The fields that `requests` mean among the grids of a source called `name`, after `editor` has edited these.
 std::vector<SparseField> editFields(const std::vector<SparseField>& grids, const std::string& name,
                                     const std::vector<GridRequest>& requests, const GridEditor& editor,
                                     const MessageSink& messages);

@@ -115,8 +115,8 @@ class CellGrid {
     /// - In the corner of a room a face stands for walls of r times its area, and absorbs as much light as they do: it
     ///   sends back 1 - r (1 - b), at least 0.
     const Rgb& albedoOfSide(std::size_t side) const { return m_albedos[side]; }
-    /// Likewise of light that comes straight from lights: irradiance times the sum of the cosines of pointsOfSide,
-    /// times this / pi, is the radiance that comes from the whole face.
+    /// The part of light straight from lights that is sent back: the irradiance, times the sum of the cosines of
+    /// pointsOfSide, times this part / pi, is the radiance that comes from the whole face.
     const Rgb& firstOfSide(std::size_t side) const { return m_firsts[side]; }
     /// Points of the solid that a side stands for, each with the normal towards the cell.
     std::vector<std::pair<Vec3, Vec3>> pointsOfSide(std::size_t side) const;

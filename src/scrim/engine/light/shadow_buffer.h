@@ -132,7 +132,7 @@ class ShadowBuffer final : public Shadow {
     ZeroedArray<Real> m_entry;
     std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window
 
-    // The same of the last sheets before the batch, the very last one first.
+    // Window, entry planes and tiles of the last sheets before the batch, the very last sheet first.
     bool m_looksBefore;
     std::array<Box2<int>, kBefore> m_beforeWindow;
     std::array<std::vector<Real>, kBefore> m_beforeEntry;

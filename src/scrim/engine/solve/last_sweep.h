@@ -41,7 +41,7 @@ class LastSweep {
     LastSweep(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes, int ordinates,
               const Keeps& keeps, TransportSolver& solver, Simd simd);
 
-    /// Those of the sweep, and classes and media with phase functions split for them.
+    /// The directions of the sweep, and the classes and media with phase functions that are split for these directions.
     const Ordinates& ordinates() const { return m_ordinates; }
     const std::vector<ScatterClass>& classes() const { return m_classes; }
     const CellMedia& media() const { return m_split.extinction.empty() ? m_solved : m_split; }
