@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/parallel.h>
 
+#include <scrim/base/loop_recorder.h>
+
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <time.h>
+
 #include <algorithm>
-#include <chrono>
-#include <numeric>
-#include <utility>
-#include <vector>
+#include <cstdint>
+#include <optional>
+#include <ostream>
+#include <thread>
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -37,10 +41,38 @@ class FlushDenormals {
 #endif
 };
 
-std::function<void(std::size_t, double, double, double)> loopSink;
+// What a LoopRecorder has begun.
+struct Recording {
+    std::ostream& to;
+    int threads;
+    std::thread::id thread = std::this_thread::get_id();
+    double since = processorSeconds();  // when the last part ended
 
-/// True on a thread that runs a task of a watched loop.
-thread_local bool inWatchedTask = false;
+    static double processorSeconds() {
+        timespec time{};
+        ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+        return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    }
+    void end(char kind) {
+        const double now = processorSeconds();
+        to << kind << ' ' << static_cast<std::int64_t>(1e9 * (now - since)) << '\n';
+        since = processorSeconds();
+    }
+    void loop(std::size_t count, const std::function<void(std::size_t)>& task) {
+        end('S');
+        to << "L " << count << '\n';
+        for (std::size_t i = 0; i < count; ++i) {
+            task(i);
+            end('T');
+        }
+    }
+};
+
+std::optional<Recording> recording;
+
+bool isRecorded() {
+    return recording && recording->thread == std::this_thread::get_id();
+}
 
 void runTasks(std::size_t count, const std::function<void(std::size_t)>& task) {
     if (count == 1) {
@@ -60,51 +92,27 @@ void runTasks(std::size_t count, const std::function<void(std::size_t)>& task) {
     });
 }
 
-// Marks the thread while it runs a task.
-class InWatchedTask {
-  public:
-    InWatchedTask() : m_before(std::exchange(inWatchedTask, true)) {}
-    ~InWatchedTask() { inWatchedTask = m_before; }
-    InWatchedTask(const InWatchedTask&) = delete;
-    InWatchedTask& operator=(const InWatchedTask&) = delete;
-
-  private:
-    bool m_before;
-};
-
-// Loops inside of the tasks are not reported separately.
-void runWatched(std::size_t count, const std::function<void(std::size_t)>& task) {
-    using Clock = std::chrono::steady_clock;
-    const auto since = [](Clock::time_point begin) {
-        return std::chrono::duration<double>(Clock::now() - begin).count();
-    };
-    std::vector<double> seconds(count);
-    const auto begin = Clock::now();
-    runTasks(count, [&](std::size_t i) {
-        const InWatchedTask mark;
-        const auto taskBegin = Clock::now();
-        task(i);
-        seconds[i] = since(taskBegin);
-    });
-    const double wall = since(begin);
-    if (count > 0)
-        loopSink(count, wall, std::accumulate(seconds.begin(), seconds.end(), 0.0),
-                 *std::max_element(seconds.begin(), seconds.end()));
-}
-
 }  // namespace
 
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task) {
-    if (loopSink && !inWatchedTask) return runWatched(count, task);
+    if (isRecorded()) {
+        const FlushDenormals flush;
+        return recording->loop(count, task);
+    }
     runTasks(count, task);
 }
 
-void watchLoops(std::function<void(std::size_t, double, double, double)> sink) {
-    loopSink = std::move(sink);
+int threadCount() {
+    return isRecorded() ? recording->threads : tbb::this_task_arena::max_concurrency();
 }
 
-int threadCount() {
-    return tbb::this_task_arena::max_concurrency();
+LoopRecorder::LoopRecorder(std::ostream& to, int threads) {
+    recording.emplace(to, threads);
+}
+
+LoopRecorder::~LoopRecorder() {
+    recording->end('S');
+    recording.reset();
 }
 
 struct TaskArena::Arena {
@@ -113,6 +121,7 @@ struct TaskArena::Arena {
 };
 
 TaskArena::TaskArena(int threads) {
+    if (isRecorded()) return;
     // Asking for more threads than there are would only make oneTBB print a warning.
     const auto most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     threads = std::min(threads, static_cast<int>(most));

@@ -41,11 +41,6 @@ double parallelSum(std::size_t count, const Term& term) {
     return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-/// For benchmarks: calls `sink` at the end of every later loop with its number of tasks and the seconds that the loop,
-/// all its tasks together and the longest of them took. An empty `sink` ends that. Must not be called while loops run.
-/// `sink` is called from the thread of each loop, at once where loops run side by side.
-void watchLoops(std::function<void(std::size_t tasks, double wall, double work, double longest)> sink);
-
 /// The number of threads that `parallelFor` may use at this point.
 int threadCount();
 

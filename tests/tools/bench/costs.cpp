@@ -5,7 +5,6 @@
 //     scrim_costs [--rounds N] ASSET...      an ASSET is a .vdb or noise:RESOLUTION
 #include "bench_scene.h"
 
-#include <scrim/base/parallel.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/sweep.h>
 
@@ -92,71 +91,6 @@ std::vector<Setting> settings(const ViewScene& one) {
     return all;
 }
 
-// What a render that is planned for some threads, but runs on one, consists of: from this follows how long it takes on
-// as many.
-struct Shares {
-    double total = 0;       // seconds
-    double sequential = 0;  // of them, outside of all loops
-    double work = 0;        // in tasks
-    double longest = 0;     // sum over loops of their longest task
-    std::size_t loops = 0, tasks = 0;
-
-    // Where each loop ends with its longest task, begun last: the worst that a greedy scheduler does (R. L. Graham,
-    // "Bounds on multiprocessing timing anomalies", 1969). `barrier`: seconds that a loop takes to begin and end.
-    double on(int threads, double barrier) const {
-        return sequential + work / threads + longest * (1 - 1.0 / threads) + barrier * static_cast<double>(loops);
-    }
-};
-
-Shares sharesOf(const ViewScene& scene, int threads) {
-    Shares s;
-    double inLoops = 0;
-    Plan plan = makePlan(scene, threads);
-    plan.threads = 1;
-    watchLoops([&](std::size_t tasks, double wall, double work, double longest) {
-        ++s.loops;
-        s.tasks += tasks;
-        inLoops += wall;
-        s.work += work;
-        s.longest += longest;
-    });
-    const auto begin = std::chrono::steady_clock::now();
-    render(scene, plan);
-    s.total = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    watchLoops({});
-    s.sequential = s.total - inLoops;
-    return s;
-}
-
-// Seconds that a loop of two tasks takes, which do nothing.
-double barrierSeconds() {
-    constexpr int kLoops = 2000;
-    double seconds = 0;
-    TaskArena(2).run([&] {
-        const auto begin = std::chrono::steady_clock::now();
-        for (int i = 0; i < kLoops; ++i) parallelFor(2, [](std::size_t) {});
-        seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    });
-    return seconds / kLoops;
-}
-
-void reportCores(const ViewScene& scene, int rounds, double oneThread, double twoThreads) {
-    const double barrier = barrierSeconds();
-    fmt::print(
-        "  two threads are {:.2f}x as fast as one; a loop costs {:.1f} us. On one thread, planned for so many:\n",
-        oneThread / twoThreads, 1e6 * barrier);
-    fmt::print("  {:>9}{:>8}{:>8}{:>9}{:>14}{:>15}{:>18}\n", "threads", "loops", "tasks", "all ms", "sequential ms",
-               "longest tasks", "at least so fast");
-    for (const int threads : {2, 4, 16, 64}) {
-        std::vector<Shares> all;
-        for (int r = 0; r < rounds; ++r) all.push_back(sharesOf(scene, threads));
-        std::sort(all.begin(), all.end(), [](const Shares& a, const Shares& b) { return a.total < b.total; });
-        const Shares& s = all[all.size() / 2];
-        fmt::print("  {:>9}{:>8}{:>8}{:>9.1f}{:>14.2f}{:>15.2f}{:>17.1f}x\n", threads, s.loops, s.tasks, 1e3 * s.total,
-                   1e3 * s.sequential, 1e3 * s.longest, oneThread / s.on(threads, barrier));
-    }
-}
-
 void report(const std::string& asset, int rounds) {
     ViewScene scene = benchScene(asset);
     const auto& field = *scene.volumes[0].field;
@@ -175,7 +109,7 @@ void report(const std::string& asset, int rounds) {
                    static_cast<double>(s.frame.work.bytes.total()) / 1e6);
     fmt::print("  each further light, up to 8: +{:.3f} of the unshadowed picture\n",
                (all[4].median() - all[1].median()) / 7 / base);
-    reportCores(scene, rounds, all.back().median(), all[1].median());
+    fmt::print("  two threads are {:.2f}x as fast as one\n", all.back().median() / all[1].median());
 
     const Setting& single = all.back();
     const RenderWork& w = single.frame.work;

@@ -4,8 +4,12 @@
 
     tests/tools/bench/scaling.py cores [ASSET...]            two threads against two processes of one thread each
     tests/tools/bench/scaling.py voxels [RESOLUTION...]      noise of so many voxels an edge at 1920 x 1080: time, memory
+    tests/tools/bench/scaling.py predict SCENE[:LAST]...     what 2, 16 and 64 cores would gain, by the tasks recorded
 
 Needs a build (SCRIM_BUILD names another than build/). ASSETs are VDB files or scenes; without one, procedural smoke.
+`predict` records the loops of the whole process on one thread (scrim_loops), and shares them among cores (see
+list_schedule.py for what that leaves out); a SCENE with :LAST has the frames 1 to LAST. With --clock it also measures
+`scrim render` with one and with two threads, which needs a quiet machine. -v prints what limits 64 cores.
 `voxels` takes 310, 670 and 1440 by default: 1, 10 and 100 million active voxels; the last takes 0.4 GB of disk.
 """
 
@@ -18,6 +22,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+from list_schedule import read_record, seconds_of
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SCRIM = pathlib.Path(os.environ.get("SCRIM_BUILD", ROOT / "build")) / "bin" / "scrim"
@@ -84,11 +90,64 @@ def voxels(resolutions, folder):
         asset.unlink()
 
 
+CORES = 2, 16, 64
+
+
+def recorded(scene, last, threads, folder):
+    path = folder / "record.txt"
+    subprocess.run([SCRIM.parent / "scrim_loops", scene, str(threads), path, folder, "1", str(last)], check=True)
+    return read_record(path)
+
+
+def clock_ratio(scene, last, folder):
+    """How much faster two threads are than one, by the clock."""
+    times = {1: [], 2: []}
+    for _ in range(3):
+        for threads, all_times in times.items():
+            begin = time.monotonic()
+            subprocess.run([SCRIM, "render", scene, "-q", "--threads", str(threads), "--frames", f"1-{last}", "-o",
+                            folder / "clock.####.exr"], check=True)
+            all_times.append(time.monotonic() - begin)
+    return statistics.median(times[1]) / statistics.median(times[2])
+
+
+def limits(record, cores):
+    """The parts of a record that take longest on so many cores."""
+    print(f"    on {cores} cores {record.seconds(cores):.3f} s, of them {record.serial():.3f} s outside of loops; most:")
+    parts = [(seconds_of([part], cores), i, part) for i, part in enumerate(record.parts)]
+    for seconds, i, part in sorted(parts, key=lambda p: -p[0])[:12]:
+        what = "between loops" if isinstance(part, float) else f"loop of {len(part.tasks)} tasks"
+        print(f"    {1e3 * seconds:9.2f} ms of {1e3 * seconds_of([part], 1):9.2f}: part {i}, {what}")
+
+
+def predict(arguments, folder):
+    clock, verbose = "--clock" in arguments, "-v" in arguments
+    print("| scene | s on one core | " + " | ".join(f"{cores} cores" for cores in CORES) +
+          (" | 2 by the clock" if clock else "") + " |")
+    print("| --- " * (2 + len(CORES) + clock) + "|")
+    for argument in arguments:
+        if argument.startswith("-"):
+            continue
+        scene, _, last = argument.partition(":")
+        last = int(last or 1)
+        alone = recorded(scene, last, 1, folder).seconds(1)
+        records = {cores: recorded(scene, last, cores, folder) for cores in CORES}
+        gains = [f"{alone / record.seconds(cores):.1f}" for cores, record in records.items()]
+        if clock:
+            gains.append(f"{clock_ratio(scene, last, folder):.2f}")
+        print(f"| {pathlib.Path(scene).name}{', ' + str(last) + ' frames' if last > 1 else ''} | {alone:.2f} | "
+              + " | ".join(gains) + " |", flush=True)
+        if verbose:
+            limits(records[CORES[-1]], CORES[-1])
+
+
 def main():
-    if len(sys.argv) < 2 or sys.argv[1] not in ("cores", "voxels"):
+    if len(sys.argv) < 2 or sys.argv[1] not in ("cores", "voxels", "predict"):
         sys.exit(__doc__)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
+        if sys.argv[1] == "predict":
+            return predict(sys.argv[2:], folder)
         if sys.argv[1] == "voxels":
             return voxels([int(a) for a in sys.argv[2:]] or [310, 670, 1440], folder)
         assets = sys.argv[2:]

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <scrim/base/loop_recorder.h>
 #include <scrim/base/parallel.h>
 
 #include <tbb/global_control.h>
@@ -8,9 +9,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <limits>
 #include <mutex>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -137,44 +140,64 @@ TEST(TaskArena, HoldsForWhatRunsInItAlone) {
     TaskArena(1).run([&] { std::thread([&] { EXPECT_EQ(threadCount(), before); }).join(); });
 }
 
-TEST(Parallel, TellsABenchmarkOfEachLoopAndItsTasks) {
-    std::vector<std::size_t> loops;
-    double work = 0, longest = 0;
-    watchLoops([&](std::size_t tasks, double, double inTasks, double inLongest) {
-        loops.push_back(tasks);
-        work += inTasks;
-        longest += inLongest;
-    });
-    const auto wait = [](std::size_t i) { std::this_thread::sleep_for(std::chrono::milliseconds(i == 2 ? 20 : 2)); };
-    parallelFor(3, wait);
-    parallelFor(1, [](std::size_t) {});
-    watchLoops({});
-    parallelFor(5, [](std::size_t) {});
-    EXPECT_EQ(loops, (std::vector<std::size_t>{3, 1}));
-    EXPECT_GE(longest, 0.02);
-    EXPECT_GE(work, longest + 0.004);
+// Lines of a LoopRecorder without their times.
+std::string recorded(const std::function<void()>& work, int threads = 8) {
+    std::ostringstream all;
+    {
+        const LoopRecorder recorder(all, threads);
+        work();
+    }
+    std::istringstream lines(all.str());
+    std::string out, kind, number;
+    while (lines >> kind >> number) out += kind == "L" ? "L" + number : kind;
+    return out;
 }
 
-TEST(Parallel, TellsABenchmarkOfOuterLoopsThatRunSideBySide) {
-    const tbb::global_control many(tbb::global_control::max_allowed_parallelism, 8);
-    std::mutex mutex;
-    std::multiset<std::size_t> loops;
-    watchLoops([&](std::size_t tasks, double, double, double) {
-        const std::lock_guard lock(mutex);
-        loops.insert(tasks);
-    });
-    std::multiset<std::size_t> expected;
-    std::vector<std::thread> hosts;
-    for (std::size_t host = 0; host < 4; ++host) {
-        for (int round = 0; round < 50; ++round) expected.insert(10 + host);
-        hosts.emplace_back([host] {
-            for (int round = 0; round < 50; ++round)
-                parallelFor(10 + host, [](std::size_t) { parallelFor(3, [](std::size_t) {}); });
-        });
+TEST(LoopRecorder, WritesLoopsTheirTasksAndWhatIsBetween) {
+    EXPECT_EQ(recorded([] {}), "S");
+    EXPECT_EQ(recorded([] { parallelFor(3, [](std::size_t) {}); }), "SL3TTTS");
+    EXPECT_EQ(recorded([] { parallelFor(1, [](std::size_t) { parallelFor(2, [](std::size_t) {}); }); }), "SL1SL2TTTS");
+}
+
+TEST(LoopRecorder, RunsOnOneThreadAsIfThereWereMore) {
+    int threads = 0;
+    std::set<std::thread::id> used;
+    std::vector<std::size_t> order;
+    recorded(
+        [&] {
+            TaskArena(2).run([&] {
+                threads = threadCount();
+                parallelFor(4, [&](std::size_t i) {
+                    order.push_back(i);
+                    used.insert(std::this_thread::get_id());
+                });
+            });
+        },
+        64);
+    EXPECT_EQ(threads, 64);
+    EXPECT_EQ(order, (std::vector<std::size_t>{0, 1, 2, 3}));
+    EXPECT_EQ(used, std::set{std::this_thread::get_id()});
+}
+
+TEST(LoopRecorder, LeavesOtherThreadsAlone) {
+    std::size_t done = 0;
+    EXPECT_EQ(recorded([&] { std::thread([&] { parallelFor(1, [&](std::size_t) { ++done; }); }).join(); }), "S");
+    EXPECT_EQ(done, 1u);
+}
+
+// Times are those of the processor, so that waiting counts for nothing.
+TEST(LoopRecorder, MeasuresWorkButNotWaiting) {
+    std::ostringstream all;
+    {
+        const LoopRecorder recorder(all, 2);
+        parallelFor(1, [](std::size_t) { std::this_thread::sleep_for(std::chrono::milliseconds(50)); });
     }
-    for (std::thread& host : hosts) host.join();
-    watchLoops({});
-    EXPECT_EQ(loops, expected);
+    std::istringstream lines(all.str());
+    std::string kind;
+    double inTasks = 0;
+    for (double nanoseconds = 0; lines >> kind >> nanoseconds;) inTasks += kind == "T" ? nanoseconds : 0;
+    EXPECT_GT(inTasks, 0);
+    EXPECT_LT(inTasks, 2e7);
 }
 
 TEST(TaskArena, OfZeroIsTheCallers) {

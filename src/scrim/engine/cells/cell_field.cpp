@@ -15,7 +15,7 @@ namespace scrim {
 CellField::CellField(std::shared_ptr<const CellGrid> grid, int colours, const Rgb& tint)
     : m_grid(std::move(grid)),
       m_colours(static_cast<std::size_t>(colours)),
-      m_values(m_grid->storedBlocks().size() * kPaddedCells * m_colours, Real(0)) {
+      m_values(m_grid->storedBlocks().size() * kPaddedCells * m_colours) {
     for (int c = 0; c < 3; ++c) m_tint[c] = static_cast<Real>(tint[c]);
 }
 

@@ -4,6 +4,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/base/real.h>
+#include <scrim/base/zeroed_array.h>
 #include <scrim/engine/cells/cell_grid.h>
 #include <scrim/engine/cells/sheet_path.h>
 
@@ -55,7 +56,7 @@ class CellField {
     std::shared_ptr<const CellGrid> m_grid;
     std::size_t m_colours;
     Real m_tint[3];
-    std::vector<Real> m_values;  // [block][padded cell][colour]
+    ZeroedArray<Real> m_values;  // [block][padded cell][colour]
 };
 
 template <class Visit>

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -130,33 +131,54 @@ double leastHeight(const Mat4& wsFromIs) {
     return least;
 }
 
-// Deposits a field. Every block contributes to the cells around it. If cells are smaller than blocks, two blocks that
-// are not neighbours share no cells, so every other block can be processed in parallel, in eight rounds. The sums do
-// not depend on the thread that adds them.
+// The blocks of a field as tasks in eight rounds: cubes of 2^shift blocks an edge. Between two cubes of a round lies at
+// least one other.
+std::array<std::vector<std::vector<std::size_t>>, 8> roundsOf(const SparseField& field, int shift) {
+    std::vector<std::tuple<int, int, int, std::size_t>> byCube;  // z, y, x and a block
+    for (std::size_t b = 0; b < field.blockCount(); ++b) {
+        const Int3 at = field.blockOrigins[b] / kBlockEdge;
+        byCube.emplace_back(at.z >> shift, at.y >> shift, at.x >> shift, b);
+    }
+    if (shift > 0) std::ranges::sort(byCube);
+    std::array<std::vector<std::vector<std::size_t>>, 8> rounds;
+    const std::tuple<int, int, int, std::size_t>* last = nullptr;
+    for (const auto& own : byCube) {
+        const auto& [z, y, x, b] = own;
+        auto& round = rounds[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))];
+        if (last == nullptr ||
+            std::tuple(z, y, x) != std::tuple(std::get<0>(*last), std::get<1>(*last), std::get<2>(*last)))
+            round.emplace_back();
+        round.back().push_back(b);
+        last = &own;
+    }
+    return rounds;
+}
+
+// Deposits a field. Every block contributes to the cells around it. Cubes of blocks that are not neighbours share no
+// cells if they are large enough, so every other cube can be processed in parallel, in eight rounds. The sums do not
+// depend on the thread that adds them.
 void add(const CellGrid& grid, const Deposit& deposit, Simd simd) {
+    constexpr int kMostShift = 6;
     const SparseField& field = *deposit.field;
     const Vec3 half = halfVoxel(deposit.wsFromIs);
     const BoxDeposit into(grid, deposit);
-    // Between the outermost voxels of two such blocks there are kBlockEdge others. What each adds to reaches half a
-    // voxel's box beyond its centre, twice that as a tent, and to the corners of cells.
+    // Between the outermost voxels of two cubes of a round there are at least those of one cube. What each adds to
+    // reaches half a voxel's box beyond its centre, twice that as a tent, and to the corners of cells.
     const double reach = glm::length(half) * (deposit.tents ? 2 : 1) + std::sqrt(3.0) * grid.edge();
-    const bool apart = leastHeight(deposit.wsFromIs) * (kBlockEdge + 1) > 2 * reach;
+    const double height = leastHeight(deposit.wsFromIs);
+    int shift = 0;
+    while (shift < kMostShift && height * ((kBlockEdge << shift) + 1) <= 2 * reach) ++shift;
+    const bool apart = shift < kMostShift;
     const Mat3 axes(deposit.wsFromIs);
     const bool straight = !deposit.classified && axes == Mat3(axes[0].x, 0, 0, 0, axes[1].y, 0, 0, 0, axes[2].z);
     const auto addBlock = [&](std::size_t block) {
         straight ? into.addBlock(block, half, simd) : depositBlock(into, deposit, block, half);
     };
-    std::array<std::vector<std::size_t>, 8> rounds;
-    for (std::size_t b = 0; b < field.blockCount(); ++b) {
-        const Int3 at = field.blockOrigins[b] / kBlockEdge;
-        rounds[apart ? std::size_t((at.x & 1) + 2 * (at.y & 1) + 4 * (at.z & 1)) : 0].push_back(b);
-    }
-    for (const std::vector<std::size_t>& round : rounds) {
-        if (apart)
-            parallelFor(round.size(), [&](std::size_t i) { addBlock(round[i]); });
-        else
-            std::for_each(round.begin(), round.end(), addBlock);
-    }
+    if (apart)
+        for (const auto& round : roundsOf(field, shift))
+            parallelFor(round.size(), [&](std::size_t i) { std::ranges::for_each(round[i], addBlock); });
+    else
+        for (std::size_t b = 0; b < field.blockCount(); ++b) addBlock(b);
     for (const ConstantTile& tile : field.tiles) depositTile(grid, into, deposit, tile, half);
 }
 

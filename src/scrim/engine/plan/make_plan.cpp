@@ -55,8 +55,12 @@ void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, co
     const std::size_t left = scene.memoryLimit - std::min(scene.memoryLimit, frameBytes);
     const std::size_t budget =
         scene.memoryLimit == 0 ? kComfortableBytes : std::min(kComfortableBytes, scene.deep ? left / 2 : left);
-    group.batchSheets = wanted;
-    while (group.batchSheets > 1 && bytesFor(group.batchSheets) > budget) --group.batchSheets;
+    // Memory grows with the batch. The largest that fits is at least batchSheets and less than tooMany.
+    group.batchSheets = bytesFor(wanted) <= budget ? wanted : 1;
+    for (int tooMany = wanted; group.batchSheets + 1 < tooMany;) {
+        const int middle = (group.batchSheets + tooMany) / 2;
+        (bytesFor(middle) <= budget ? group.batchSheets : tooMany) = middle;
+    }
     group.bytes = bytesFor(group.batchSheets);
     for (GroupPlan& level : group.finer) {
         chooseBatch(scene, threads, frameBytes, plan, level);
