@@ -158,6 +158,25 @@ TEST(Backdrop, IsDarkBehindALampThatShinesToOneSideAndNarrowerWithASpread) {
     }
 }
 
+// In haze that scatters, the lamp hides what is behind it; a crop is the same as its part of the whole.
+TEST(Backdrop, OfALampInSmokeAgreesWithBruteForceAndWithItsCrops) {
+    ViewScene scene = lampInHaze(AreaShape::sphere);
+    scene.volumes[0].medium.albedo = Rgb(0.8);
+    scene.lights.push_back(distantLight(glm::normalize(Vec3(0.6, 0.2, -1)), 3));
+    scene.dials.texel = scene.dials.sheetThickness = 0.5;
+    showSurface(scene);
+    const Frame frame = renderScene(scene);
+    const Reference reference(scene);
+    for (int i = 4; i < 16; ++i) {
+        const auto truth = reference.pixel(i, 9), seen = pixelOf(frame, i, 9);
+        for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(seen[c], truth[c], 0.02 * truth[c] + 2e-3) << i << " " << c;
+    }
+    scene.region = {6, 7, 13, 12};
+    const Frame crop = renderScene(scene);
+    for (int y = 7; y < 12; ++y)
+        for (int x = 6; x < 13; ++x) EXPECT_EQ(pixelOf(crop, x, y), pixelOf(frame, x, y)) << x << " " << y;
+}
+
 // The left half of the picture is red, the lower right quarter green. The eye is on the side that the lamp shines to.
 TEST(Backdrop, IsThePictureOfARectangle) {
     ViewScene scene = lampInHaze(AreaShape::rectangle);
