@@ -21,7 +21,7 @@ constexpr int kFew = 3;          // points that stand for another light
 ViewScene withFewDirections(ViewScene scene, const CellLightPlan& plan) {
     for (const int i : plan.lights) {
         Light& light = scene.lights[std::size_t(i)];
-        light.samples = light.samples > 0 ? std::min(light.samples, kDirections) : kDirections;
+        light.samples = std::min(subLightCount(scene, light), kDirections);
     }
     return scene;
 }

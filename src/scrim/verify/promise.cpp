@@ -354,7 +354,7 @@ struct Coarser {
     double error;
 };
 
-// Those with an error that leaves texels a part of the promise, with growing voxels.
+// The scenes with coarser fields whose error is at most `most`, from fine to coarse.
 std::vector<Coarser> coarserWithin(const std::function<ViewScene(double)>& atLod, const ViewScene& fine, double most) {
     constexpr double kFirst = 0.25, kStep = 1.41421356, kLast = 8;
     constexpr int kCoarserRays = 192;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/light/backdrop.h>
 
-#include <scrim/base/parallel.h>
+#include <scrim/engine/light/ray_blocks.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/scene/picture_cells.h>
 
@@ -79,31 +79,19 @@ class BackdropBlock {
         for (int y = 0; y <= kEdge; ++y)
             for (int x = 0; x <= kEdge; ++x)
                 m_met[y][x] = backdrop.meets((first.x + x + 0.5) / antialias, (first.y + y + 0.5) / antialias);
-        fill(Int2(0), kEdge);
+        fillRays(
+            Int2(0), kEdge, [&](const Int2& at) { return m_met[at.y][at.x].solid != nullptr; },
+            [&](const Int2& from, int edge) { return isEven(from, edge); },
+            [&](const Int2& at) -> const Rgb& { return lightAt(at); },
+            [&](const Int2& at, const InSquare& place, const auto&... corners) {
+                m_filled[at.y][at.x] = place.between(corners...);
+            });
     }
     std::array<double, 4> at(int x, int y) const {
         return m_met[y][x].solid != nullptr ? shown(m_met[y][x], m_filled[y][x]) : m_met[y][x].shines;
     }
 
   private:
-    void fill(const Int2& from, int edge) {
-        if (edge == 1) {
-            if (m_met[from.y][from.x].solid != nullptr) m_filled[from.y][from.x] = lightAt(from);
-            return;
-        }
-        if (!isEven(from, edge)) {
-            for (int i = 0; i < 4; ++i) fill(from + edge / 2 * Int2(i & 1, i >> 1), edge / 2);
-            return;
-        }
-        const Rgb a = lightAt(from), b = lightAt(from + Int2(edge, 0));
-        const Rgb c = lightAt(from + Int2(0, edge)), d = lightAt(from + edge);
-        for (int y = 0; y < edge; ++y)
-            for (int x = 0; x < edge; ++x) {
-                const double u = double(x) / edge, v = double(y) / edge;
-                m_filled[from.y + y][from.x + x] = (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
-            }
-    }
-
     // True if all rays of a square meet one plane of one solid, and the light is about the same at its corners and in
     // its middle.
     bool isEven(const Int2& from, int edge) {
@@ -149,25 +137,13 @@ BackdropRays::BackdropRays(const ViewScene& scene, const Checkpoint& checkpoint)
     : m_antialias(scene.dials.antialias), m_window(supersampled(scene.region, m_antialias)) {
     const Backdrop backdrop(scene);
     m_rays.resize(m_window.pixelCount());
-    // Blocks cover all rays from one corner of the plane on, so that a crop is the same as in the whole picture.
     constexpr int kEdge = BackdropBlock::kEdge;
-    const auto down = [](int a) { return (a >= 0 ? a / kEdge : -((kEdge - 1 - a) / kEdge)) * kEdge; };
-    const auto fillRow = [&](int top) {
-        for (int left = down(m_window.x0); left < m_window.x1; left += kEdge) {
-            const BackdropBlock block(backdrop, {left, top}, m_antialias);
-            for (int y = std::max(top, m_window.y0); y < std::min(top + kEdge, m_window.y1); ++y)
-                for (int x = std::max(left, m_window.x0); x < std::min(left + kEdge, m_window.x1); ++x)
-                    std::ranges::copy(block.at(x - left, y - top), m_rays[indexOf(x, y)].begin());
-        }
-    };
-    const int top = down(m_window.y0);
-    const auto rows = std::size_t((m_window.y1 - top + kEdge - 1) / kEdge);
-    constexpr std::size_t kRows = 8;  // of blocks, between two checkpoints
-    for (std::size_t first = 0; first < rows; first += kRows) {
-        checkpoint();
-        parallelFor(std::min(kRows, rows - first),
-                    [&](std::size_t r) { fillRow(top + kEdge * static_cast<int>(first + r)); });
-    }
+    forRayBlocks(m_window, kEdge, kEdge, checkpoint, [&](const Int2& first) {
+        const BackdropBlock block(backdrop, first, m_antialias);
+        for (int y = std::max(first.y, m_window.y0); y < std::min(first.y + kEdge, m_window.y1); ++y)
+            for (int x = std::max(first.x, m_window.x0); x < std::min(first.x + kEdge, m_window.x1); ++x)
+                std::ranges::copy(block.at(x - first.x, y - first.y), m_rays[indexOf(x, y)].begin());
+    });
 }
 
 }  // namespace scrim

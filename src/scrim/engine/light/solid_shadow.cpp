@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/light/solid_shadow.h>
 
-#include <scrim/base/parallel.h>
 #include <scrim/engine/light/marched_light.h>
+#include <scrim/engine/light/ray_blocks.h>
 
 #include <algorithm>
 #include <atomic>
@@ -47,7 +47,15 @@ class Catcher {
         for (int y = 0; y <= kBlock; ++y)
             for (int x = 0; x <= kBlock; ++x)
                 block.points[y][x] = caughtAt(*m_scene.solids, m_rays, first.x + x + 0.5, first.y + y + 0.5);
-        fill(block, Int2(0), kBlock);
+        std::vector<Rgb> arrives(m_layers.size());
+        fillRays(
+            Int2(0), kBlock, [&](const Int2& at) { return block.points[at.y][at.x].has_value(); },
+            [&](const Int2& from, int edge) { return isSmooth(block, from, edge); },
+            [&](const Int2& at) -> const std::vector<Rgb>& { return arrivesAt(block, at); },
+            [&](const Int2& at, const InSquare& place, const auto&... corners) {
+                for (std::size_t i = 0; i < arrives.size(); ++i) arrives[i] = place.between(corners[i]...);
+                add(block, at, arrives);
+            });
         return block.marched;
     }
 
@@ -58,26 +66,6 @@ class Catcher {
         std::vector<Rgb> arrives[kBlock + 1][kBlock + 1];  // of each layer; empty where it is not known
         std::uint64_t marched;
     };
-
-    void fill(Block& block, const Int2& from, int edge) const {
-        if (!isSmooth(block, from, edge)) {
-            if (edge > 1)
-                for (int i = 0; i < 4; ++i) fill(block, from + edge / 2 * Int2(i & 1, i >> 1), edge / 2);
-            else if (block.points[from.y][from.x])
-                add(block, from, arrivesAt(block, from));
-            return;
-        }
-        const std::vector<Rgb>&a = arrivesAt(block, from), &b = arrivesAt(block, from + Int2(edge, 0));
-        const std::vector<Rgb>&c = arrivesAt(block, from + Int2(0, edge)), &d = arrivesAt(block, from + edge);
-        std::vector<Rgb> between(m_layers.size());
-        for (int y = 0; y < edge; ++y)
-            for (int x = 0; x < edge; ++x) {
-                const double u = double(x) / edge, v = double(y) / edge;
-                for (std::size_t i = 0; i < between.size(); ++i)
-                    between[i] = (1 - v) * ((1 - u) * a[i] + u * b[i]) + v * ((1 - u) * c[i] + u * d[i]);
-                add(block, from + Int2(x, y), between);
-            }
-    }
 
     // True if all rays of a square meet solids that catch, close together.
     bool isSmooth(const Block& block, const Int2& from, int edge) const {
@@ -143,24 +131,11 @@ std::uint64_t catchShadows(const ViewScene& scene, Frame& frame, const Checkpoin
     }
     if (layers.empty()) return 0;
     const Catcher catcher(scene, layers);
-    // Blocks cover all pixels from one corner of the plane on, so that a crop is the same as in the whole picture. They
-    // hold whole pixels or are parts of one row of blocks, whose pixels no other thread adds to.
-    const int n = scene.dials.antialias, block = Catcher::kBlock, row = std::lcm(block, n);
-    const PixelWindow& region = scene.region;
-    const auto down = [](int a, int b) { return static_cast<int>(std::floor(double(a) / b)) * b; };
-    const int top = down(region.y0 * n, row), left = down(region.x0 * n, block);
+    // Blocks hold whole pixels or are parts of one row of blocks, whose pixels no other thread adds to.
+    const int n = scene.dials.antialias;
     std::atomic<std::uint64_t> marched = 0;
-    const auto rows = static_cast<std::size_t>((region.y1 * n - top + row - 1) / row);
-    const auto catchRow = [&](std::size_t index) {
-        const int from = top + row * static_cast<int>(index);
-        for (int y = from; y < std::min(from + row, region.y1 * n); y += block)
-            for (int x = left; x < region.x1 * n; x += block) marched += catcher.catchBlock({x, y});
-    };
-    constexpr std::size_t kRows = 8;  // between two checkpoints
-    for (std::size_t first = 0; first < rows; first += kRows) {
-        checkpoint();
-        parallelFor(std::min(kRows, rows - first), [&](std::size_t r) { catchRow(first + r); });
-    }
+    forRayBlocks(supersampled(scene.region, n), Catcher::kBlock, std::lcm(Catcher::kBlock, n), checkpoint,
+                 [&](const Int2& first) { marched += catcher.catchBlock(first); });
     return marched;
 }
 
