@@ -88,7 +88,10 @@ void bindFields(nb::module_& module);
 void bindFrames(nb::module_& module);
 void bindShots(nb::module_& module);
 void bindOpening(nb::module_& module);
-void bindLooking(nb::class_<ShotObject>& type);
+void bindLooking(nb::module_& module, nb::class_<ShotObject>& type);
+
+/// A picture as an array (height, width, 4) that owns it.
+nb::object ownedArray(Image picture);
 
 /// A frame as a Python object, which takes ownership; None where it was skipped.
 nb::object toPython(ShotFrame frame);

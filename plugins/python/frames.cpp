@@ -48,6 +48,12 @@ void write(nb::handle path, const Write& write) {
     doAndWait([&](Work& work) { write(name, work.messageSink()); });
 }
 
+nb::object backplateOf(const ShotFrame& frame) {
+    Image plate;
+    doAndWait([&](Work&) { plate = frame.backplate(); });
+    return plate.rgba.empty() ? nb::none() : ownedArray(std::move(plate));
+}
+
 std::optional<double> errorOf(const ShotFrame& frame) {
     const auto& verification = frame.report().verification;
     return verification ? std::optional(verification->error) : std::nullopt;
@@ -158,6 +164,10 @@ they keep; they cannot be written to: copy what you want to change.)")
             nb::arg("path") = nb::none(),
             nb::sig("def preview(self, path: str | os.PathLike[str] | None = None) -> None"),
             "Writes the picture as a display shows it: a PNG, or what the name ends in. None: the scene's preview.")
+        .def_prop_ro("backplate", &backplateOf,
+                     nb::sig("def backplate(self) -> numpy.typing.NDArray[numpy.float32] | None"),
+                     "What previews are laid over: (height, width, 4), premultiplied R, G, B, A in the working space, "
+                     "stretched to the display window. None where the scene's preview has no backplate.")
         .def("__repr__", [](const ShotFrame& frame) {
             const PixelWindow& w = frame.image().window;
             return "<scrim.Frame " + std::to_string(frame.report().frame) + ", " + std::to_string(w.width()) + "x" +

@@ -4,6 +4,7 @@
 #include "bindings.h"
 
 #include <scrim/image/colour.h>
+#include <scrim/scene/keyed.h>
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
@@ -91,19 +92,36 @@ nb::object displayedBy(const ShotObject& object, const Floats& pixels, const std
                        const std::string& view) {
     if (pixels.shape(2) != 4) throw Error(ErrorKind::usage, "pixels: expected an array (height, width, 4) of float32");
     const std::size_t height = pixels.shape(0), width = pixels.shape(1);
-    auto image = std::make_unique<Image>();
-    image->window = {0, 0, static_cast<int>(width), static_cast<int>(height)};
-    image->rgba.assign(pixels.data(), pixels.data() + pixels.size());
+    Image image;
+    image.window = {0, 0, static_cast<int>(width), static_cast<int>(height)};
+    image.rgba.assign(pixels.data(), pixels.data() + pixels.size());
     const ColourConfig colour = object.shot().colour();  // may be used while the shot is at work
-    doAndWait([&](Work&) { *image = colour.displayed(*image, display, view); });
+    doAndWait([&](Work&) { image = colour.displayed(image, display, view); });
+    return ownedArray(std::move(image));
+}
+
+double valueAt(const std::vector<double>& frames, const std::vector<double>& values, double frame, bool smooth) {
+    if (frames.empty() || frames.size() != values.size())
+        throw Error(ErrorKind::usage, "keys: expected as many frames as values, and one of them at least");
+    Keyed<double> keyed{{}, smooth ? Interpolation::smooth : Interpolation::linear};
+    for (std::size_t i = 0; i < frames.size(); ++i) keyed.keys.emplace_back(frames[i], values[i]);
+    return keyed.at(frame);
+}
+
+}  // namespace
+
+nb::object ownedArray(Image picture) {
+    auto image = std::make_unique<Image>(std::move(picture));
+    const auto height = std::size_t(image->window.height()), width = std::size_t(image->window.width());
     float* const data = image->rgba.data();
     const nb::capsule owner(image.release(), [](void* it) noexcept { delete static_cast<Image*>(it); });
     return nb::cast(nb::ndarray<nb::numpy, float, nb::ndim<3>>(data, {height, width, std::size_t(4)}, owner));
 }
 
-}  // namespace
-
-void bindLooking(nb::class_<ShotObject>& type) {
+void bindLooking(nb::module_& module, nb::class_<ShotObject>& type) {
+    module.def("value_at", &valueAt, nb::arg("frames"), nb::arg("values"), nb::arg("frame"), nb::arg("smooth") = false,
+               "The value that keys give a frame, as in scenes: `frames` ascend, and each has its number in `values`. "
+               "`smooth`: by smooth curves, not linearly.");
     type.def("resolved", &resolved, nb::arg("frame") = 1,
              nb::sig("def resolved(self, frame: int = 1) -> dict[str, typing.Any]"),
              R"(The scene at a frame in plain numbers: keys evaluated, colours in the working space, paths expanded.

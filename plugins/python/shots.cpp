@@ -388,7 +388,7 @@ one thing at a time; different shots are independent.)");
             "study.csv, study.json and index.html go; None: nowhere. `budget`: seconds, 0 for as many as it takes.")
         .def("__repr__", [](const ShotObject& s) { return pathObject("<scrim.Shot '" + s.shot().path() + "'>"); });
     bindRenders(type);
-    bindLooking(type);
+    bindLooking(module, type);
 }
 
 }  // namespace scrim::python

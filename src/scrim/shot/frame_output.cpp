@@ -281,6 +281,12 @@ void writePreviewOf(const ShotFrame::Content& content, const Image& image, const
 
 }  // namespace
 
+Image backplateOf(const ShotFrame::Content& content) {
+    const auto& plate = content.scene.output.preview.backplate;
+    const PixelWindow window = displayWindowOf(content.scene);
+    return plate && plate->image ? overPlate(emptyImage(window), *plate->image, window) : Image{};
+}
+
 void writeFramePreview(const ShotFrame::Content& content, const std::string& path) {
     writePreviewOf(content, content.image, displayWindowOf(content.scene), path);
 }

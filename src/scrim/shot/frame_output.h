@@ -39,6 +39,9 @@ std::size_t writeFrame(const ShotFrame::Content& content, const OutputFile& file
 /// Writes the deep picture, which must exist. Returns the number of values that were clamped. Throws Error.
 std::size_t writeFrameDeep(const ShotFrame::Content& content, const std::string& path);
 
+/// See ShotFrame::backplate.
+Image backplateOf(const ShotFrame::Content& content);
+
 /// Writes the picture as a display shows it. Throws Error.
 void writeFramePreview(const ShotFrame::Content& content, const std::string& path);
 

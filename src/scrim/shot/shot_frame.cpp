@@ -118,6 +118,8 @@ void ShotFrame::writeDeep(const std::string& path, const MessageSink& messages) 
     report.peakBytes = peakResidentBytes();
 }
 
+Image ShotFrame::backplate() const { return backplateOf(*m_content); }
+
 void ShotFrame::preview(const std::string& path) {
     ShotReport& report = m_content->report;
     const std::string file = pathOf(path, m_content->scene.output.preview.file, "preview");

@@ -130,6 +130,10 @@ class ShotFrame {
     /// where there is no deep picture.
     void writeDeep(const std::string& path = "", const MessageSink& messages = {});
 
+    /// The picture that previews are laid over, stretched to the display window, in the working space. Without pixels
+    /// where the scene's preview has none.
+    Image backplate() const;
+
     /// Writes the picture as a display shows it, as PNG or in the format of the extension. "" stands for the scene's
     /// own preview file.
     void preview(const std::string& path = "");
