@@ -69,7 +69,7 @@ def chromium():
 
 class Page:
     def __init__(self, chromium, viewer, folder):
-        self.problems, self._folder, self.viewer = [], folder, viewer
+        self.problems, self.folder, self.viewer = [], folder, viewer
         # The page forbids code from text, which is how this test asks it.
         self.page = chromium.new_page(bypass_csp=True, viewport={"width": 1100, "height": 700})
         self.page.on("pageerror", lambda error: self.problems.append(str(error)))
@@ -85,8 +85,12 @@ class Page:
 
     def pixels(self):
         """What the screen shows of the picture, without its frame: (height, width, 3), 0 to 255."""
-        path = str(self._folder / "shown.png")
         self.page.mouse.move(2, 2)
+        return self.shown()
+
+    def shown(self):
+        """Likewise, while the mouse stays where it is."""
+        path = str(self.folder / "shown.png")
         self.page.locator("#picture").screenshot(path=path, style="#handles, #histogram { display: none }")
         return OpenImageIO.ImageBuf(path).get_pixels(OpenImageIO.UINT8)[3:-3, 3:-3, :3].astype(float)
 

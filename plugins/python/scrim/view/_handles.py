@@ -29,6 +29,19 @@ class View:
     pose: Pose
     shift: tuple[float, float] = (0.0, 0.0)
 
+    def as_data(self) -> dict:
+        """The view as the page warps pictures by it. `matrix`: by columns. `width`: of the picture in the world, at 1
+        from the eye; of a `flat` one everywhere."""
+        lens = self.pose.lens
+        return {
+            "matrix": self.pose.matrix.T.ravel().tolist(),
+            "width": lens.height_at(1.0) * lens.aspect,
+            "flat": lens.height is not None,
+            "aspect": lens.aspect,
+            "shift": list(self.shift),
+            "distance": self.pose.distance,
+        }
+
     def seen(self, point: np.ndarray) -> tuple[float, float, float]:
         """(x, y, depth): the place of a point in the picture, and its distance along the view."""
         x, y, z = self.pose.matrix[:3, :3].T @ (point - self.pose.eye)

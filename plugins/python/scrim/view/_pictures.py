@@ -99,7 +99,7 @@ def weight(wanted: np.ndarray, rendered: np.ndarray) -> np.ndarray | None:
 
 @dataclass(frozen=True)
 class Texture:
-    """A picture as the page takes it: float16, (height, width, 1, 3 or 4). No other texture gets its number."""
+    """A picture as the page takes it: float16, (height, width, 2, 3 or 4). No other texture gets its number."""
 
     pixels: np.ndarray
     number: int = field(default_factory=lambda: next(_numbers))
@@ -123,7 +123,7 @@ class Layer:
 @dataclass(frozen=True)
 class Depth:
     """`mean`: of what is visible, along the view, float32 (height, width), 0 where nothing is. `texture`: of the first
-    thing visible. `ends`: the nearest and the farthest of that."""
+    thing visible, and the mean. `ends`: the nearest and the farthest of that."""
 
     mean: np.ndarray
     texture: Texture
@@ -134,7 +134,7 @@ class Depth:
         first = pixels[..., 0]
         seen = first[first > 0]
         ends = (float(seen.min()), float(seen.max())) if seen.size else (0.0, 1.0)
-        return Depth(np.ascontiguousarray(pixels[..., 1]), Texture.of(first[..., None]), ends)
+        return Depth(np.ascontiguousarray(pixels[..., 1]), Texture.of(pixels[..., :2]), ends)
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class Pictures:
     asks for. `muted`: lights that were left out of the beauty. `region`: the
     pixels that are final, while the others are older. `depth`: comes with the layers. `frame`: the frame of
     the render that the scene's file makes, too,
-    bit for bit; None until it was made."""
+    bit for bit; None until it was made. `camera`: the view, as the page projects by it."""
 
     shape: Shape
     beauty: Texture
@@ -159,6 +159,7 @@ class Pictures:
     is_whole: bool = True
     frame: object = None
     seconds: float = 0.0
+    camera: Mapping = field(default_factory=dict)
 
     def weights(self, wanted: Strengths, muted: frozenset[str]) -> dict[str, list[float]] | None:
         """Factors of the layers for these strengths; None where the beauty is the picture."""
@@ -176,6 +177,11 @@ class Pictures:
                 factors = np.zeros(3)
             out[name] = [float(f) for f in factors]
         return None if is_beauty else out
+
+    def differs_by_view(self, wanted: Shape) -> bool:
+        """Whether these pictures show what is wanted, from another view."""
+        same = {**self.shape.common, "view": wanted.common["view"]} == wanted.common
+        return same and self.shape.common != wanted.common and self.shape.lights == wanted.lights
 
     def stale_lights(self, wanted: Shape, strengths: Strengths) -> list[str]:
         """Lights whose layers have to be rendered anew."""

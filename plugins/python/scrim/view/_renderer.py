@@ -10,7 +10,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from .. import _scrim
 from .._errors import Cancelled
@@ -35,6 +35,7 @@ _DIVISORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # of the resolution while thing
 _FIRST_SIZE = 200  # pixels of the longer side of the first picture
 _SLOW, _FAST = 0.06, 0.025  # a coarse render of more seconds makes the next one coarser, one of fewer makes it finer
 _PATIENCE = 0.5  # seconds after which a coarse render whose picture is not wanted is cancelled, too
+_TURNS = 1.5  # times as many seconds may pass while the view turns: the page then warps what it has
 _REST = 0.7  # seconds without a change after which the picture of the scene's file is made
 _VERIFIED = 400  # pixels that are compared with brute force on request
 _VERIFY_SECONDS = 30.0  # after which the comparison ends with the pixels that were compared so far
@@ -49,7 +50,7 @@ class Wanted:
     """The picture that is wanted. `text`: the scene; `view`: overrides of the camera; `muted`: layers that do not
     shine; `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `plays`: other
     frames follow, so that a draft is enough; `region`: only these pixels are refined; `serial`: number of the last
-    event; `since`: when it came."""
+    event; `since`: when it came; `camera`: the view, as the page projects by it."""
 
     text: str
     shape: Shape
@@ -65,6 +66,7 @@ class Wanted:
     region: tuple[int, int, int, int] | None = None
     serial: int = 0
     since: float = 0.0
+    camera: Mapping[str, object] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -277,7 +279,7 @@ class Renderer:
         if task.kind == "exact":
             self._is_slow = seconds > _LONG
         if task.stage == "motion":
-            self._adapt(seconds)
+            self._adapt(seconds / self._slowness(wanted))
         with self._changed:
             self._take(frame, wanted, task, seconds)
             pictures, newest = self._pictures, self._wanted
@@ -289,7 +291,7 @@ class Renderer:
         if newest is wanted:
             return True
         if task.stage == "motion":  # if each was cancelled, no picture would appear while the mouse moves
-            return seconds < _PATIENCE or newest.shape == wanted.shape
+            return seconds < _PATIENCE * self._slowness(newest) or newest.shape == wanted.shape
         if newest.shape.common != wanted.shape.common or newest.shape.render != wanted.shape.render:
             return False
         if task.kind == "light":
@@ -298,6 +300,10 @@ class Renderer:
             return False
         same = all((newest.strengths.of[n] == rgb).all() for n, rgb in wanted.strengths.of.items())
         return same and (task.kind != "verify" or newest.verify)
+
+    def _slowness(self, wanted: Wanted) -> float:
+        """How many times as long a coarse render may take as one that answers each event."""
+        return _TURNS if self._pictures and self._pictures.differs_by_view(wanted.shape) else 1.0
 
     def _is_long(self, task: Task, seconds: float, part: float) -> bool:
         """Whether the picture of the file will take so long that a draft is rendered before it."""
@@ -315,6 +321,7 @@ class Renderer:
     def _take(self, frame: object, wanted: Wanted, task: Task, seconds: float) -> None:
         pictures, has_layers = self._pictures, task.kind in ("layers", "light")
         made = pictures_of(frame, wanted.shape, wanted.strengths, task.stage, seconds, has_layers)
+        made = replace(made, camera=wanted.camera)
         if task.kind == "whole":
             self._pictures = replace(made, muted=wanted.muted)
         elif task.kind in ("exact", "verify"):

@@ -389,6 +389,8 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
             "seconds": pictures.seconds,
             "error": session.error(),
             "depths": pictures.depth.ends if pictures.depth else None,
+            "camera": pictures.camera,
+            "aim": session.camera,
             "serial": session.serial_shown,
         }
         self.tell(_packed(head, [texture.pixels.tobytes() for texture in fresh]), binary=True)

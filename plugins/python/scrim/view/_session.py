@@ -54,7 +54,7 @@ class Session:
         self._viewpoint = Viewpoint(Places(self._beside, self._knows_more))
         self._frames_all = False  # the user wants to see all volumes, once it is known where they are
         self._muted: frozenset[str] = frozenset()
-        self._serial = serial
+        self._serial = self._changed_by = serial
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
         self._stage = Stage(opened, lambda: self.document.data.get("camera"), self._later, self._lost_stage)
@@ -68,7 +68,7 @@ class Session:
         self.displays: dict[str, list[str]] = self._reader.displays
         self.display = next(iter(self.displays))
         self.view = self.displays[self.display][0]
-        self._wanted = self._now(moves=False)
+        self._wanted, self._subject = self._now(moves=False), self._subject_now()
         self._renderer = Renderer(
             opened.folder, self._name, opened.ocio, self._took, self._lost, opened.grids,
             opened.loaded,
@@ -426,22 +426,28 @@ class Session:
             self._region,
             self._serial,
             time.monotonic(),
+            self._seen_from().as_data(),
         )
 
     def _update(self, moves: bool) -> None:
         """Renders the scene as it is now. Tells browsers the whole state; while something is held, only the weights."""
         self._wanted = self._now(moves)
+        if (subject := self._subject_now()) != self._subject:
+            self._subject, self._changed_by = subject, self._serial
         self._renderer.want(self._wanted)
         if moves:
             self._moved = time.monotonic()
             self._later(_STILL, self._rest_if_still)
-            handles = _handles.of(self.document.data, self._seen_from())
-            self._tell({"type": "weights", "weights": self.weights(), "handles": handles, "serial": self._serial})
+            self._tell({"type": "weights", **self._seen()})
             return
         if self.exact_frame() is not None:  # the event needs no new picture
             self.serial_shown = self._answered()
             self._show()
         self.send_state()
+
+    def _subject_now(self) -> tuple:
+        """All that is shown but the view."""
+        return {**self.document.data, "camera": None}, self.frame, self._muted
 
     def _answered(self) -> int:
         """Number of the last event up to which no event waits for the stage."""
@@ -455,6 +461,22 @@ class Session:
             self.send_state()
 
     # ---- what browsers are told
+
+    def _seen(self) -> dict:
+        """What the page shows before the next picture is there. `changed_by`: the last event that changed more than
+        the view."""
+        return {
+            "weights": self.weights(),
+            "handles": _handles.of(self.document.data, self._seen_from()),
+            "camera": self.camera,
+            "changed_by": self._changed_by,
+            "serial": self._serial,
+        }
+
+    @property
+    def camera(self) -> Mapping:
+        """The view, as the page projects by it."""
+        return self._wanted.camera
 
     @property
     def strengths(self) -> Strengths:
@@ -472,12 +494,11 @@ class Session:
             "others": self.opened.others,
             "groups": self._groups(),
             "muted": sorted(self._muted),
-            "weights": self.weights(),
+            **self._seen(),
             "frame": self.frame,
             "frames": self.opened.frames,
             "resolution": self._viewpoint.resolution,
             "aspect": self._viewpoint.aspect,
-            "handles": _handles.of(self.document.data, self._seen_from()),
             "cameras": self.opened.cameras,
             "region": self._region,
             "playing": self.player.is_playing,
@@ -490,7 +511,6 @@ class Session:
             "changed": self.document.is_changed,
             "command": self.command(),
             "message": self._message,
-            "serial": self._serial,
         }
 
     def send_state(self) -> None:

@@ -20,8 +20,8 @@ let stage = { text: "" };
 let isDrawn = true;
 let hasEnded = false;
 const sent = new Map(); // serial -> time, of events whose picture has not come yet
-// For measurements: milliseconds from an event to its picture, or to the picture with its weights.
-const times = { picture: [], weights: [] };
+// For measurements: milliseconds from an event to its picture, or to what is here with its weights, or from its view.
+const times = { picture: [], weights: [], view: [] };
 
 /** An error stays until a later event went well. */
 let failed = 0;
@@ -64,6 +64,7 @@ function hear(message) {
     if (message.type === "error") return fail(message.text);
     if (message.type === "weights") {
         moved = message.handles;
+        turnTo(message);
         return weigh(message.weights, message.serial);
     }
     if (message.type === "verified") verified.take(message);
@@ -121,7 +122,7 @@ function redraw(after, isQuick = false) {
         requestAnimationFrame((now) => {
             if (isQuick) picture?.tookTo(now - then);
             else looks?.update(canvas);
-            all.forEach((call) => call());
+            all.forEach((call) => call(now));
         });
         clearTimeout(better);
         if (isQuick) better = setTimeout(() => redraw(), SOON_MS);
@@ -168,8 +169,17 @@ function showState(message) {
     panel.update(state.groups, state.muted);
     moved = null;
     handles.update(state.handles);
+    turnTo(state);
     weigh(state.weights, state.serial);
     resize();
+}
+
+/** Shows the pictures that are here from the newest view. */
+function turnTo({ camera, changed_by: changedBy, serial: upTo }) {
+    if (!picture?.isReady) return;
+    picture.turnTo(camera, changedBy);
+    const then = sent.get(upTo);
+    if (picture.isWarped) redraw((now) => then && times.view.push(now - then));
 }
 
 /** Shows other weights of the layers that are here. */
@@ -371,6 +381,7 @@ addEventListener("keydown", (event) => {
 // For tests and measurements.
 globalThis.scrim = {
     times,
+    get socket() { return socket; },
     get picture() { return picture; },
     get state() { return state; },
     get pending() { return sent.size; },

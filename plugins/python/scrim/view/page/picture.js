@@ -4,8 +4,11 @@
 // One pass does all of it. It has a program for each number of layers, and for what is switched on: without a graphics
 // unit every operation on a pixel counts. Layers are brought to the size of the canvas once, so that the pass reads one
 // texel of each. The canvas has no more pixels than the picture has, nor than the screen shows.
+//
+// While the view moves, pictures come from views that it has left already, and are coarse. So a picture is warped to the
+// newest view, and the last sharp one lies over the drafts until the view has turned too far from it.
 
-import { COPY, CORNERS, shader } from "./shaders.js";
+import { CELLS, COPY, CORNERS, GRID, shader } from "./shaders.js";
 
 const LAYERS_A_PASS = 12; // every WebGL 2 has 16 textures
 const BEFORE = LAYERS_A_PASS; // units behind those of the layers
@@ -14,6 +17,10 @@ const TABLE = LAYERS_A_PASS + 1;
 const SLOW_MS = 40;
 const FAST_MS = 18;
 const MOST_DIVISOR = 4;
+// The turn of the view after which a draft is shown in place of the last sharp picture: for each pixel of the canvas that a
+// pixel of the draft is wide, and two more for its dials; and the most.
+const TURN = (4 * Math.PI) / 180;
+const MOST_TURN = (45 * Math.PI) / 180;
 // What is shown in false colours: a channel of a slot, or 1 less it; `hole` is shown black.
 const FALSE = {
     depth: { slot: "depth", pick: [1, 0, 0, 0], shift: 0, hole: 0 },
@@ -23,7 +30,7 @@ const FALSE = {
 export class Picture {
     constructor(canvas) {
         this.canvas = canvas;
-        const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false });
+        const gl = canvas.getContext("webgl2", { alpha: false, antialias: false });
         if (!gl || !gl.getExtension("EXT_color_buffer_float")) {
             throw new Error("this browser has no WebGL 2 with pictures of half floats, which the viewer needs");
         }
@@ -42,6 +49,13 @@ export class Picture {
         this.snapshot = this.#target();
         this.probe = this.#target();
         this.few = this.#target();
+        this.sharp = { ...this.#target(), camera: null, ahead: null, event: -1, shown: this.#target(), look: "" }; // added up
+        this.draft = this.#target();
+        this.tables = 0; // that came
+        this.nothing = this.#target(); // no depth is known
+        this.#resize(this.nothing, 1, 1);
+        this.camera = this.aim = null; // of the pictures, and the newest
+        this.event = this.changedBy = -1; // the last event in the pictures; see `turnTo`
         this.look = "picture"; // or a key of FALSE
         this.depths = [0, 1]; // the nearest and the farthest
         this.sheet = null; // names of layers that are shown side by side
@@ -52,6 +66,7 @@ export class Picture {
     setTable(head, bytes) {
         const gl = this.gl;
         this.table ??= gl.createTexture();
+        ++this.tables;
         this.head = head;
         gl.activeTexture(gl.TEXTURE0 + TABLE);
         gl.bindTexture(gl.TEXTURE_3D, this.table);
@@ -64,18 +79,20 @@ export class Picture {
     /** Pictures of the slots; those that are not fresh are here already. */
     setPictures(head, bytes) {
         const gl = this.gl;
+        if (head.stage !== "motion") this.sharp.camera = null;
+        Object.assign(this, { camera: head.camera, stage: head.stage, event: head.serial });
         let offset = 0;
         for (const { number, shape } of head.fresh) {
             const [height, width, channels] = shape;
             const texture = gl.createTexture();
             this.#bindPlain(texture);
             gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
-            const formats = { 1: [gl.R16F, gl.RED], 3: [gl.RGB16F, gl.RGB], 4: [gl.RGBA16F, gl.RGBA] }[channels];
+            const formats = { 2: [gl.RG16F, gl.RG], 3: [gl.RGB16F, gl.RGB], 4: [gl.RGBA16F, gl.RGBA] }[channels];
             gl.texImage2D(gl.TEXTURE_2D, 0, formats[0], width, height, 0, formats[1], gl.HALF_FLOAT, halves(bytes, offset, width * height * channels));
             offset += 2 * width * height * channels;
             this.textures.set(number, { texture, width, height, fitted: null });
         }
-        const used = new Set(Object.values(head.slots));
+        const used = new Set([...Object.values(head.slots), this.sharp.camera && this.sharp.ahead]);
         for (const [number, { texture, fitted }] of this.textures) {
             if (!used.has(number)) {
                 gl.deleteTexture(texture);
@@ -86,6 +103,21 @@ export class Picture {
         this.slots = head.slots;
         this.weights = head.weights;
         this.depths = head.depths ?? this.depths;
+        this.turnTo(head.aim);
+    }
+
+    /** Shows what is here as the view `aim` sees it. `changedBy`: the last event that changed more than the view. */
+    turnTo(aim, changedBy = this.changedBy) {
+        Object.assign(this, { aim, changedBy });
+        if (this.sharp.event < changedBy) this.sharp.camera = null;
+        if (!this.isWarped || this.sharp.camera || this.stage === "motion" || this.event < changedBy) return;
+        this.#addInto(this.sharp);
+        Object.assign(this.sharp, { camera: this.camera, ahead: this.slots.depth, event: this.event, look: "" });
+    }
+
+    /** Whether the newest view is another one than that of the pictures. */
+    get isWarped() {
+        return this.isReady && ["matrix", "width", "shift", "flat"].some((key) => String(this.aim[key]) !== String(this.camera[key]));
     }
 
     /** Names of the layers that add up to the picture. */
@@ -117,6 +149,7 @@ export class Picture {
     draw(isQuick = false) {
         if (!this.isReady) return;
         if (this.sheet) return this.#drawSheet();
+        if ((this.isWarped || this.sharp.camera) && this.look === "picture") return this.#drawWarped();
         const isFalse = FALSE[this.look] && this.#slot(FALSE[this.look].slot);
         const parts = isFalse ? [[this.#slot(FALSE[this.look].slot), [1, 1, 1, 1]]] : this.#fewParts(this.#parts());
         const [width, height] = this.#sizeOf(parts);
@@ -124,11 +157,74 @@ export class Picture {
         const size = [Math.ceil(width / divisor), Math.ceil(height / divisor)];
         const layers = parts.map(([it, weight]) => [this.#fitted(it, width, height), weight]);
         this.#begin(...size);
-        const switches = [];
-        if (isFalse) switches.push("FALSE");
-        if (this.wipe && this.snapshot.width) switches.push("WIPE");
-        if (this.gamma !== 1) switches.push("GAMMA");
-        this.#show(layers, switches, [0, 0, ...size]);
+        const isWiped = this.wipe && this.snapshot.width;
+        this.#show(layers, [...(isFalse ? ["FALSE"] : []), ...(isWiped ? ["WIPE"] : []), ...this.#gamma], [0, 0, ...size]);
+    }
+
+    get #gamma() {
+        return this.gamma !== 1 ? ["GAMMA"] : [];
+    }
+
+    /** The pictures, and over them the last sharp one, as the newest view sees them. */
+    #drawWarped() {
+        const { gl, sharp } = this;
+        this.#begin(...this.full);
+        gl.clearColor(0, 0, 0, 1);
+        gl.clear(gl.COLOR_BUFFER_BIT);
+        if (sharp.camera !== this.camera) {
+            this.#showInto(this.draft, this.#fewParts(this.#parts()), this.size.map((side, i) => Math.min(side, this.full[i])));
+            this.#warp(this.draft, this.camera, this.slots.depth, 1);
+        }
+        if (sharp.camera && this.#trust() > 0) {
+            const look = `${this.exposure} ${this.gamma} ${this.tables}`;
+            if (sharp.look !== look) this.#showInto(sharp.shown, [[sharp, [1, 1, 1, 1]]], [sharp.width, sharp.height]);
+            sharp.look = look;
+            this.#warp(sharp.shown, sharp.camera, sharp.ahead, this.#trust());
+        }
+        if (!this.wipe || !this.snapshot.width) return;
+        gl.enable(gl.SCISSOR_TEST);
+        gl.scissor(0, 0, Math.round(this.wipe * this.full[0]), this.full[1]);
+        this.#show([[this.#fitted(this.snapshot, ...this.full), [1, 1, 1, 1]]], this.#gamma, [0, 0, ...this.full]);
+        gl.disable(gl.SCISSOR_TEST);
+    }
+
+    /** How much of the sharp picture is shown: all of it, until the view has turned so far that a draft is better. */
+    #trust() {
+        const most = Math.min(TURN * (2 + this.full[0] / this.size[0]), MOST_TURN);
+        const [back, before] = [this.aim, this.sharp.camera].map(({ matrix }) => matrix.slice(8, 11));
+        const turn = Math.acos(Math.min(back.reduce((sum, v, i) => sum + v * before[i], 0), 1));
+        return this.sharp.camera === this.camera ? 1 : Math.min(Math.max(3 - (3 * turn) / most, 0), 1);
+    }
+
+    /** Layers as the screen shows them, in a target. */
+    #showInto(target, layers, size) {
+        this.#resize(target, ...size);
+        this.#show(layers, this.#gamma, [0, 0, ...size], this.#framed(target));
+    }
+
+    /** Draws what a camera saw as the newest view sees it. `ahead`: the number of its depth. */
+    #warp(shown, camera, ahead, share) {
+        const { gl, aim } = this;
+        const { program, places } = this.#programOf("warp", () => COPY, GRID);
+        const lens = ({ width, flat, shift }) => [width, Number(flat), shift[0], shift[1]];
+        gl.useProgram(program);
+        this.#unit(0, shown.texture, places.layer0);
+        this.#unit(1, (this.textures.get(ahead) ?? this.nothing).texture, places.ahead);
+        gl.uniformMatrix4fv(places.from, false, camera.matrix);
+        gl.uniformMatrix4fv(places.to, false, aim.matrix);
+        gl.uniform4fv(places.fromLens, lens(camera));
+        gl.uniform4fv(places.toLens, lens(aim));
+        gl.uniform1f(places.aspect, aim.aspect);
+        gl.uniform1f(places.distance, camera.distance);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        gl.viewport(0, 0, ...this.full);
+        gl.clear(gl.DEPTH_BUFFER_BIT);
+        gl.blendColor(0, 0, 0, share);
+        gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
+        gl.enable(gl.DEPTH_TEST);
+        if (share < 1) gl.enable(gl.BLEND);
+        gl.drawArrays(gl.TRIANGLES, 0, 6 * CELLS[0] * CELLS[1]);
+        for (const what of [gl.DEPTH_TEST, gl.BLEND]) gl.disable(what);
     }
 
     /** All layers side by side, which is `sheet` by rows: names of layers, or "beauty". */
@@ -142,7 +238,7 @@ export class Picture {
             const weight = this.weights?.[name] ?? [1, 1, 1];
             const parts = name === "beauty" ? this.#fewParts(this.#parts()) : [[this.#slot(name), [...weight, 0]]];
             const row = Math.floor(i / columns);
-            if (parts[0][0]) this.#show(parts, this.gamma !== 1 ? ["GAMMA"] : [], [(i % columns) * width, this.full[1] - (row + 1) * height, width, height]);
+            if (parts[0][0]) this.#show(parts, this.#gamma, [(i % columns) * width, this.full[1] - (row + 1) * height, width, height]);
         });
     }
 
@@ -152,11 +248,11 @@ export class Picture {
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     }
 
-    /** Shows a sum of layers in a part of the canvas. */
-    #show(layers, switches, viewport) {
+    /** Shows a sum of layers in a part of the canvas, or of another frame. */
+    #show(layers, switches, viewport, frame = null) {
         const gl = this.gl;
         const places = this.#use(layers, true, switches);
-        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
         gl.viewport(...viewport);
         if (places.before) this.#unit(BEFORE, this.snapshot.texture, places.before);
         gl.activeTexture(gl.TEXTURE0 + TABLE);
@@ -183,10 +279,7 @@ export class Picture {
 
     /** Keeps the picture as the one to compare with. */
     keepSnapshot() {
-        const parts = this.#fewParts(this.#parts());
-        const [width, height] = this.#sizeOf(parts);
-        this.#resize(this.snapshot, width, height);
-        this.#addUp(this.snapshot, parts.map(([it, weight]) => [this.#fitted(it, width, height), weight]), [0, 0, width, height]);
+        this.#addInto(this.snapshot);
     }
 
     /** Premultiplied scene-linear R, G, B, A of the rendered picture at (0..1, 0..1 from the top), to half floats. */
@@ -239,10 +332,16 @@ export class Picture {
     /** As many as a pass takes: more are added up first. */
     #fewParts(parts) {
         if (parts.length <= LAYERS_A_PASS) return parts;
-        const [width, height] = this.#sizeOf(parts);
-        this.#resize(this.sum, width, height);
-        this.#addUp(this.sum, parts.map(([it, weight]) => [this.#fitted(it, width, height), weight]), [0, 0, width, height]);
+        this.#addInto(this.sum);
         return [[this.sum, [1, 1, 1, 1]]];
+    }
+
+    /** Adds the layers of the picture up, into a target. */
+    #addInto(target) {
+        const parts = this.#parts();
+        const [width, height] = this.#sizeOf(parts);
+        this.#resize(target, width, height);
+        this.#addUp(target, parts.map(([it, weight]) => [this.#fitted(it, width, height), weight]), [0, 0, width, height]);
     }
 
     /** Pixels of a sum: no more than the largest part has, nor than the screen shows. */
@@ -292,15 +391,15 @@ export class Picture {
 
     // ---- WebGL
 
-    #programOf(key, text) {
-        if (!this.programs.has(key)) this.programs.set(key, this.#program(text()));
+    #programOf(key, text, corners = CORNERS) {
+        if (!this.programs.has(key)) this.programs.set(key, this.#program(text(), corners));
         return this.programs.get(key);
     }
 
-    #program(fragments) {
+    #program(fragments, corners) {
         const gl = this.gl;
         const program = gl.createProgram();
-        for (const [kind, text] of [[gl.VERTEX_SHADER, CORNERS], [gl.FRAGMENT_SHADER, fragments]]) {
+        for (const [kind, text] of [[gl.VERTEX_SHADER, corners], [gl.FRAGMENT_SHADER, fragments]]) {
             const shader = gl.createShader(kind);
             gl.shaderSource(shader, text);
             gl.compileShader(shader);

@@ -9,6 +9,32 @@ void main() {
     gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
 }`;
 
+// A picture from another view: a grid of points that lie where the picture saw something, or else in the plane through the
+// pivot, seen from the view `to`. A view is what the viewer sends as a camera; `Lens` is its (width, flat, shift).
+export const CELLS = [96, 54]; // of the grid
+export const GRID = `#version 300 es
+precision highp float;
+uniform sampler2D ahead; // the mean depth in green, 0 where nothing is
+uniform mat4 from, to;
+uniform vec4 fromLens, toLens;
+uniform float aspect, distance;
+out vec2 uv;
+void main() {
+    int cell = gl_VertexID / 6, corner = gl_VertexID % 6;
+    ivec2 step = ivec2(corner == 1 || corner == 4 || corner == 5, corner == 2 || corner == 3 || corner == 5);
+    vec2 at = vec2(ivec2(cell % ${CELLS[0]}, cell / ${CELLS[0]}) + step) / vec2(${CELLS});
+    uv = vec2(at.x, 1.0 - at.y);
+    ivec2 size = textureSize(ahead, 0);
+    float depth = texelFetch(ahead, min(ivec2(at * vec2(size)), size - 1), 0).g;
+    if (depth <= 0.0) depth = distance;
+    vec2 film = vec2(uv.x - 0.5, (uv.y - 0.5) / aspect) + fromLens.zw;
+    vec3 place = vec3(film * fromLens.x * (fromLens.y > 0.0 ? 1.0 : depth), -depth);
+    vec3 seen = transpose(mat3(to)) * ((from * vec4(place, 1.0)).xyz - to[3].xyz);
+    float w = toLens.y > 0.0 ? 1.0 : -seen.z;
+    float order = (-seen.z - distance) / (abs(seen.z) + distance); // nearer is less, between -1 and 1
+    gl_Position = vec4(2.0 * (seen.xy / toLens.x - toLens.zw * w) * vec2(1.0, aspect), order * w, w);
+}`;
+
 // Rows of pictures go from top to bottom, so they are upside down in textures, and upright in the canvas.
 const SHOW = `
     vec3 colour = sum.rgb;
