@@ -119,7 +119,7 @@ def write(page, chance):
 
 def apply(page, code):
     field = page.locator(".code textarea").first
-    page.eval_on_selector("details[data-title$=code]", "fold => (fold.open = true)")
+    page.evaluate("document.querySelector('[data-title$=code] .fold[aria-expanded=false]')?.click()")
     field.fill(code)
     field.press("Control+Enter")
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lights in the picture: a button for each, which is dragged to where the light shall be, or moved by arrow keys.
 
+import { placeOf } from "./steer.js";
+
 const STEP = 0.01; // of an arrow key
 
 export class Handles {
@@ -26,6 +28,15 @@ export class Handles {
         }
         if (added) this.select(added);
         if (!names.has(this.selected)) this.select(handles[0]?.light ?? null);
+    }
+
+    /** `layers`: those that do not shine. */
+    mute(layers) {
+        for (const [name, button] of this.buttons) {
+            const isMuted = layers.includes(`light.${name}`);
+            button.classList.toggle("muted", isMuted);
+            button.title = isMuted ? `${name} (muted)` : name;
+        }
     }
 
     select(light) {
@@ -57,20 +68,16 @@ export class Handles {
             this.#put(light, x, y);
             this.place(light, x, y, done);
         };
-        const at = (event) => {
-            const box = this.canvas.getBoundingClientRect();
-            return [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
-        };
         button.addEventListener("pointerdown", (event) => {
             button.setPointerCapture(event.pointerId);
             this.held = light;
             this.select(light);
         });
-        button.addEventListener("pointermove", (event) => this.held === light && move(...at(event), false));
+        button.addEventListener("pointermove", (event) => this.held === light && move(...placeOf(this.canvas, event), false));
         button.addEventListener("pointerup", (event) => {
             if (this.held !== light) return;
             this.held = null;
-            move(...at(event), true);
+            move(...placeOf(this.canvas, event), true);
         });
         button.addEventListener("pointercancel", () => (this.held = null));
         button.addEventListener("focus", () => this.select(light));

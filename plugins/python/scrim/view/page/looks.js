@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Other ways to look at the picture: false colours, all layers side by side, and how bright its pixels are.
 
-import { short } from "./values.js";
+import { element, short } from "./values.js";
 
 const STOPS = [-12, 8]; // of the histogram, from 1
 const BINS = 120;
@@ -44,15 +44,20 @@ export class Looks {
         }
         Object.assign(root.style, { left: `${canvas.offsetLeft}px`, top: `${canvas.offsetTop}px`, width: `${canvas.offsetWidth}px`, height: `${canvas.offsetHeight}px` });
         root.style.setProperty("--columns", Math.ceil(Math.sqrt(names.length)));
-        if (root.children.length === names.length && [...root.children].every((child, i) => child.textContent === names[i])) return;
-        root.replaceChildren(...names.map((name) => {
-            const button = Object.assign(document.createElement("button"), { textContent: name });
-            button.addEventListener("click", () => {
-                this.#toggle("layers", () => (picture.sheet = null));
-                this.pick(name);
-            });
-            return button;
-        }));
+        if (String([...root.children].map((tile) => tile.textContent)) !== String(names)) {
+            root.replaceChildren(...names.map((name) => this.#tile(name)));
+        }
+        for (const tile of root.children) tile.className = picture.muted.has(tile.textContent) ? "muted" : "";
+    }
+
+    #tile(name) {
+        const tile = element("div");
+        const button = tile.appendChild(element("button", { textContent: name }));
+        button.addEventListener("click", () => {
+            this.#toggle("layers", () => (this.picture.sheet = null));
+            this.pick(name);
+        });
+        return tile;
     }
 
     #count() {

@@ -6,10 +6,10 @@ import { Looks } from "./looks.js";
 import { Panel } from "./panel.js";
 import { Picture } from "./picture.js";
 import { Verified } from "./verified.js";
-import { drawBox, showBox, steer } from "./steer.js";
+import { drawBox, pickPlace, placeOf, showBox, steer } from "./steer.js";
 
 const RETRY_MS = 500; // until a lost connection is tried again
-const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare", l: "layers", h: "lights", r: "region", n: "error-next", " ": "play" };
+const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare", l: "layers", h: "lights", r: "region", d: "focus", n: "error-next", " ": "play" };
 
 const by = (id) => document.getElementById(id);
 const canvas = by("picture");
@@ -29,6 +29,10 @@ function fail(text) {
     failed = serial;
     by("error").textContent = text;
     by("error").hidden = !text;
+}
+
+function say(text) {
+    Object.assign(by("status"), { textContent: text, title: text }); // there may be no room for all of it
 }
 
 let picture = null;
@@ -54,7 +58,7 @@ function connect() {
     socket.onmessage = ({ data }) => (typeof data === "string" ? hear(JSON.parse(data)) : receive(data));
     socket.onclose = (event) => {
         if (event.code === 1001 || hasEnded) return fail("The viewer has ended.");
-        by("status").textContent = "connection lost, trying again";
+        say("connection lost, trying again");
         setTimeout(connect, RETRY_MS);
     };
 }
@@ -135,7 +139,7 @@ function showStage() {
     const text = isFile ? "finished: the file's picture" : words[stage.stage] ?? "";
     const percent = (part) => `${(100 * part).toPrecision(2)} %`;
     const error = stage.error ? `, error ${percent(stage.error.error)} of ${stage.error.pixels} pixels` : "";
-    by("status").textContent = stage.seconds ? `${text} (${stage.seconds.toFixed(2)} s${error})` : text;
+    say(stage.seconds ? `${text} (${stage.seconds.toFixed(2)} s${error})` : text);
     document.body.dataset.stage = stage.exact ? "exact" : stage.stage ?? "";
     verified.show(stage.exact && Boolean(stage.error));
     document.body.dataset.layers = stage.layers ? "ready" : "";
@@ -153,8 +157,8 @@ function showState(message) {
     by("save").disabled = !state.file || !state.changed;
     by("keep-view").disabled = by("scene-camera").disabled = !state.free;
     const isWrong = state.groups.some(({ controls }) => controls.some(({ mistake }) => mistake));
-    if (isWrong) by("status").textContent = "the code has a mistake: the last picture";
-    if (state.message) by("status").textContent = state.message;
+    if (isWrong) say("the code has a mistake: the last picture");
+    if (state.message) say(state.message);
     fillViews();
     by("open").hidden = !state.others.length;
     if (by("open").options.length !== state.others.length) by("open").replaceChildren(...state.others.map((name) => new Option(name)));
@@ -169,6 +173,8 @@ function showState(message) {
     panel.update(state.groups, state.muted);
     moved = null;
     handles.update(state.handles);
+    handles.mute(state.muted);
+    if (picture) picture.muted = new Set(state.muted);
     turnTo(state);
     weigh(state.weights, state.serial);
     resize();
@@ -208,7 +214,7 @@ function foresee(control, value) {
 
 function showFrame(number) {
     by("frame").value = number;
-    by("frame-number").textContent = number;
+    if (document.activeElement !== by("frame-number")) by("frame-number").value = number;
 }
 
 function fillCameras() {
@@ -233,7 +239,7 @@ function resize() {
     if (!state) return;
     const [width, height] = state.resolution;
     const box = by("stage").getBoundingClientRect();
-    const scale = Math.min(box.width / (height * state.aspect), box.height / height);
+    const scale = Math.min((box.width - 2) / (height * state.aspect), (box.height - 2) / height); // its frame is seen
     const [across, down] = [Math.floor(height * state.aspect * scale), Math.floor(height * scale)];
     const before = `${canvas.style.width} ${picture?.full}`;
     Object.assign(canvas.style, { width: `${across}px`, height: `${down}px` });
@@ -242,9 +248,20 @@ function resize() {
     picture?.resize(Math.max(Math.round(width * share), 1), Math.max(Math.round(height * share), 1));
     if (before !== `${canvas.style.width} ${picture?.full}`) redraw();
     placeWipe();
+    placeGate();
     handles.fit();
     verified.draw();
     showBox(canvas, by("box"), state.region && state.region.map((v, i) => v / state.resolution[i % 2]));
+}
+
+/** The frame of another aspect, as large as it fits into the picture. */
+function placeGate() {
+    const gate = by("gate");
+    gate.hidden = !by("aspect").value;
+    const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = canvas;
+    Object.assign(gate.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
+    const across = Math.min(width, height * by("aspect").value);
+    Object.assign(gate.firstElementChild.style, { width: `${across}px`, height: `${across / by("aspect").value}px` });
 }
 
 // ---- what the user does
@@ -266,6 +283,7 @@ const handles = new Handles(by("handles"), canvas, (light, x, y, done) => {
     send({ type: "place", light, x, y, done, step: `place ${light} ${step}` });
     if (done) ++step;
 });
+click("fold", () => panel.foldLights());
 click("lights", () => {
     by("handles").hidden = !by("handles").hidden;
     by("lights").setAttribute("aria-pressed", String(!by("handles").hidden));
@@ -282,6 +300,18 @@ click("region", () => {
         send({ type: "region", box });
     });
 });
+let stopFocus = null; // while a place is waited for
+const focusOn = (stop) => by("focus").setAttribute("aria-pressed", String(Boolean((stopFocus = stop))));
+click("focus", () => {
+    if (stopFocus) {
+        stopFocus();
+        return focusOn(null);
+    }
+    focusOn(pickPlace(canvas, (x, y) => {
+        focusOn(null);
+        send({ type: "focus", x, y, done: true });
+    }));
+});
 const looks = picture && new Looks(picture, by, redraw, (layer) => layer !== "beauty" && panel.soloOf(layer));
 
 steer(canvas, send, showPixel, (x, y) => {
@@ -290,8 +320,7 @@ steer(canvas, send, showPixel, (x, y) => {
 });
 
 function showPixel(event) {
-    const box = canvas.getBoundingClientRect();
-    const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+    const [x, y] = placeOf(canvas, event);
     if (!picture || x < 0 || y < 0 || x >= 1 || y >= 1) return;
     verified.point(x, y);
     const value = picture.valueAt(x, y);
@@ -307,7 +336,7 @@ click("save-as", () => {
 });
 click("command", async () => {
     await navigator.clipboard.writeText(state.command).catch(() => prompt("The command:", state.command));
-    by("status").textContent = "the command is copied";
+    say("the command is copied");
 });
 click("frame-all", () => send({ type: "view", to: "frame" }));
 click("scene-camera", () => send({ type: "view", to: "scene" }));
@@ -332,6 +361,7 @@ for (const name of ["exposure", "gamma"]) {
 }
 by("frame").addEventListener("input", () => send({ type: "frame", number: Number(by("frame").value), done: false }));
 by("frame").addEventListener("change", () => send({ type: "rest" }));
+by("frame-number").addEventListener("change", () => send({ type: "frame", number: Number(by("frame-number").value), done: true }));
 click("play", () => send({ type: "play", on: !state.playing }));
 by("cameras").addEventListener("change", (event) => event.target.value && send({ type: "camera", name: event.target.value, done: true }));
 
@@ -353,11 +383,12 @@ function placeWipe() {
 by("wipe").addEventListener("pointerdown", (event) => by("wipe").setPointerCapture(event.pointerId));
 by("wipe").addEventListener("pointermove", (event) => {
     if (!event.buttons) return;
-    const box = canvas.getBoundingClientRect();
-    picture.wipe = Math.min(Math.max((event.clientX - box.left) / box.width, 0.001), 1);
+    picture.wipe = Math.min(Math.max(placeOf(canvas, event)[0], 0.001), 1);
     placeWipe();
     redraw();
 });
+
+by("aspect").addEventListener("change", placeGate);
 
 addEventListener("resize", resize);
 addEventListener("keydown", (event) => {

@@ -8,6 +8,12 @@ import { curve } from "./curves.js";
 import { element, encoded, linear, short } from "./values.js";
 
 const STEPS = 1000; // of a slider
+// Values that have keys: see `key` of a control.
+const MARKS = {
+    "": { textContent: "", title: "" },
+    here: { textContent: "◆ ", title: "This frame has a key: a change sets its value." },
+    between: { textContent: "◇ ", title: "Other frames have keys: a change makes one for this frame." },
+};
 
 export class Panel {
     /** `change(control, value, done)`: a control was moved, or let go; `mute(names)`: layers that do not shine;
@@ -16,6 +22,7 @@ export class Panel {
         Object.assign(this, { root, change, mute, remove });
         this.known = "";
         this.setters = new Map();
+        this.marks = new Map();
         this.controls = new Map(); // as the viewer said them last, with the values that were changed since
         this.muted = new Set();
         this.solo = null;
@@ -23,12 +30,13 @@ export class Panel {
 
     update(groups, muted) {
         this.muted = new Set(muted);
-        const names = JSON.stringify(groups.map((g) => [g.title, g.controls.map((c) => [c.id, c.kind, c.keyed])]));
+        const names = JSON.stringify(groups.map((g) => [g.title, g.controls.map((c) => [c.id, c.kind, c.fixed, c.least, c.most])]));
         if (names !== this.known) {
             this.known = names;
             this.setters.clear();
+            this.marks.clear();
             this.layers = groups.filter((g) => g.kind === "light" || g.kind === "ambient").map(layerOf);
-            const open = new Map([...this.root.querySelectorAll("details")].map((one) => [one.dataset.title, one.open]));
+            const open = new Map([...this.root.children].map((one) => [one.dataset.title, isOpen(one)]));
             const used = this.root.contains(document.activeElement) ? document.activeElement : null;
             this.root.replaceChildren(...groups.map((group) => this.#group(group, open)));
             this.used = used;
@@ -37,6 +45,7 @@ export class Panel {
             for (const control of group.controls) {
                 this.controls.set(control.id, control);
                 this.setters.get(control.id)?.(control);
+                if (this.marks.has(control.id)) Object.assign(this.marks.get(control.id), MARKS[control.key]);
             }
         }
         this.#goOn();
@@ -62,27 +71,30 @@ export class Panel {
         this.mute(this.solo === null ? [] : this.layers.filter((other) => other !== name));
     }
 
-    /** `open`: which of those that fold the user has open, by title. */
+    /** Folds the panels of all lights, or unfolds them where all are folded. */
+    foldLights() {
+        const lights = [...this.root.children].filter((one) => ["light", "ambient"].includes(one.dataset.kind));
+        const opens = !lights.some(isOpen);
+        for (const light of lights) fold(light, opens);
+    }
+
+    /** `open`: which groups are unfolded, by title. */
     #group(group, open) {
-        if (["shading", "code"].includes(group.kind)) {
-            const fold = element("details", { className: "group", open: open.get(group.title) ?? !group.folded });
-            fold.dataset.title = group.title;
-            const summary = fold.appendChild(element("summary"));
-            summary.append(element("h2", { textContent: group.title }));
-            fold.append(...group.controls.map((control) => this.#row(control, group)));
-            return fold;
-        }
         const root = element("section", { className: "group" });
+        Object.assign(root.dataset, { title: group.title, kind: group.kind });
         const head = root.appendChild(element("div", { className: "head" }));
-        head.append(element("h2", { textContent: group.title }));
+        const heading = head.appendChild(element("h2"));
+        const button = heading.appendChild(element("button", { className: "fold", textContent: group.title }));
+        button.addEventListener("click", () => fold(root, !isOpen(root)));
         if (group.kind === "light") {
-            const button = head.appendChild(element("button", { textContent: "Remove", ariaLabel: `Remove ${group.name}` }));
-            button.addEventListener("click", () => this.remove(group.name));
+            const remove = head.appendChild(element("button", { textContent: "Remove", ariaLabel: `Remove ${group.name}` }));
+            remove.addEventListener("click", () => this.remove(group.name));
         }
         if (group.kind === "light" || group.kind === "ambient") {
             head.append(this.#layerButton(group, "mute", "Mute"), this.#layerButton(group, "solo", "Solo"));
         }
-        root.append(...group.controls.map((control) => this.#row(control, group)));
+        root.appendChild(element("div")).append(...group.controls.map((control) => this.#row(control, group)));
+        fold(root, open.get(group.title) ?? !group.folded);
         return root;
     }
 
@@ -102,9 +114,13 @@ export class Panel {
     #row(control, group) {
         const row = element("div", { className: "row" });
         const label = `${group.title} ${control.label}`;
-        if (control.kind !== "code") row.append(element("span", { textContent: control.label + (control.unit ? ` (${control.unit})` : "") }));
-        if (control.keyed) {
-            row.append(element("span", { className: "keyed", textContent: control.kind === "code" ? "is in a file of its own" : "has keys: edit the file" }));
+        if (control.kind !== "code") {
+            const name = row.appendChild(element("span", { textContent: `${control.label} ` }));
+            this.marks.set(control.id, name.appendChild(element("span", { className: "key" })));
+            if (control.unit) name.append(element("small", { textContent: control.unit }));
+        }
+        if (control.fixed) {
+            row.append(element("span", { className: "fixed", textContent: control.kind === "code" ? "is in a file of its own" : "has keys: edit the file" }));
             return row;
         }
         const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox, code, ramp: curve, colours: curve, transfer: curve }[control.kind];
@@ -115,15 +131,27 @@ export class Panel {
     }
 }
 
+function isOpen(group) {
+    return !group.lastElementChild.hidden;
+}
+
+function fold(group, opens) {
+    group.lastElementChild.hidden = !opens;
+    group.querySelector(".fold").setAttribute("aria-expanded", String(opens));
+}
+
 function layerOf(group) {
     return group.kind === "light" ? `light.${group.name}` : group.kind;
 }
 
 function slider(control, label, change) {
-    const { least, most, log } = control;
+    const { least, most, log, zero } = control;
     const range = element("input", { type: "range", min: 0, max: STEPS, step: 1, ariaLabel: label });
     const field = element("input", { type: "number", step: "any", ariaLabel: `${label}, number` });
-    const toValue = (place) => (log ? least * (most / least) ** (place / STEPS) : least + ((most - least) * place) / STEPS);
+    const toValue = (place) => {
+        if (zero && place === 0) return 0;
+        return log ? least * (most / least) ** (place / STEPS) : least + ((most - least) * place) / STEPS;
+    };
     const toPlace = (value) => STEPS * (log ? Math.log(Math.max(value, least) / least) / Math.log(most / least) : (value - least) / (most - least));
     const say = (done) => change(Number(short(toValue(Number(range.value)))), done);
     range.addEventListener("input", () => {
@@ -134,7 +162,7 @@ function slider(control, label, change) {
     range.addEventListener("dblclick", () => field.focus());
     field.addEventListener("change", () => field.value !== "" && change(Number(field.value), true));
     const set = ({ value }) => {
-        if (document.activeElement !== field) field.value = short(value, 5);
+        if (document.activeElement !== field) field.value = short(value, 4);
         if (!range.matches(":active")) range.value = toPlace(value);
     };
     return { parts: [range, field], set };

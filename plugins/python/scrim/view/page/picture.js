@@ -8,11 +8,12 @@
 // While the view moves, pictures come from views that it has left already, and are coarse. So a picture is warped to the
 // newest view, and the last sharp one lies over the drafts until the view has turned too far from it.
 
-import { CELLS, COPY, CORNERS, GRID, shader } from "./shaders.js";
+import { CELLS, COPY, CORNERS, GRID, SHARE, shader } from "./shaders.js";
 
 const LAYERS_A_PASS = 12; // every WebGL 2 has 16 textures
 const BEFORE = LAYERS_A_PASS; // units behind those of the layers
 const TABLE = LAYERS_A_PASS + 1;
+const PLATE = LAYERS_A_PASS + 2;
 // When quick draws become coarser or finer: at less than half of 60 draws a second, or at nearly all of them.
 const SLOW_MS = 40;
 const FAST_MS = 18;
@@ -39,6 +40,8 @@ export class Picture {
         this.textures = new Map(); // number -> { texture, width, height, fitted }
         this.slots = {};
         this.weights = null;
+        this.muted = new Set(); // layers that the user left out
+        this.lit = new Map(); // the last weights of layers that were not black
         this.exposure = 0;
         this.gamma = 1;
         this.wipe = 0;
@@ -101,7 +104,7 @@ export class Picture {
             }
         }
         this.slots = head.slots;
-        this.weights = head.weights;
+        this.setWeights(head.weights);
         this.depths = head.depths ?? this.depths;
         this.turnTo(head.aim);
     }
@@ -122,12 +125,13 @@ export class Picture {
 
     /** Names of the layers that add up to the picture. */
     get layers() {
-        return Object.keys(this.slots).filter((name) => !["beauty", "rest", "depth"].includes(name));
+        return Object.keys(this.slots).filter((name) => !["beauty", "rest", "depth", "plate"].includes(name));
     }
 
     /** Factors of layers by name; null: the beauty is the picture. */
     setWeights(weights) {
         this.weights = weights;
+        for (const [name, weight] of Object.entries(weights ?? {})) if (weight.some(Boolean)) this.lit.set(name, weight);
     }
 
     get isReady() {
@@ -158,11 +162,16 @@ export class Picture {
         const layers = parts.map(([it, weight]) => [this.#fitted(it, width, height), weight]);
         this.#begin(...size);
         const isWiped = this.wipe && this.snapshot.width;
-        this.#show(layers, [...(isFalse ? ["FALSE"] : []), ...(isWiped ? ["WIPE"] : []), ...this.#gamma], [0, 0, ...size]);
+        this.#show(layers, [...(isFalse ? ["FALSE"] : []), ...(isWiped ? ["WIPE"] : []), ...this.#over], [0, 0, ...size]);
     }
 
     get #gamma() {
         return this.gamma !== 1 ? ["GAMMA"] : [];
+    }
+
+    /** The switches of the whole picture. */
+    get #over() {
+        return this.#slot("plate") ? ["PLATE", ...this.#gamma] : this.#gamma;
     }
 
     /** The pictures, and over them the last sharp one, as the newest view sees them. */
@@ -171,6 +180,7 @@ export class Picture {
         this.#begin(...this.full);
         gl.clearColor(0, 0, 0, 1);
         gl.clear(gl.COLOR_BUFFER_BIT);
+        if (this.#slot("plate")) this.#show([[this.nothing, [0, 0, 0, 0]]], this.#over, [0, 0, ...this.full]);
         if (sharp.camera !== this.camera) {
             this.#showInto(this.draft, this.#fewParts(this.#parts()), this.size.map((side, i) => Math.min(side, this.full[i])));
             this.#warp(this.draft, this.camera, this.slots.depth, 1);
@@ -184,7 +194,7 @@ export class Picture {
         if (!this.wipe || !this.snapshot.width) return;
         gl.enable(gl.SCISSOR_TEST);
         gl.scissor(0, 0, Math.round(this.wipe * this.full[0]), this.full[1]);
-        this.#show([[this.#fitted(this.snapshot, ...this.full), [1, 1, 1, 1]]], this.#gamma, [0, 0, ...this.full]);
+        this.#show([[this.#fitted(this.snapshot, ...this.full), [1, 1, 1, 1]]], this.#over, [0, 0, ...this.full]);
         gl.disable(gl.SCISSOR_TEST);
     }
 
@@ -199,13 +209,14 @@ export class Picture {
     /** Layers as the screen shows them, in a target. */
     #showInto(target, layers, size) {
         this.#resize(target, ...size);
-        this.#show(layers, this.#gamma, [0, 0, ...size], this.#framed(target));
+        const isApart = this.#slot("plate") ? ["APART"] : [];
+        this.#show(layers, [...isApart, ...this.#gamma], [0, 0, ...size], this.#framed(target));
     }
 
     /** Draws what a camera saw as the newest view sees it. `ahead`: the number of its depth. */
     #warp(shown, camera, ahead, share) {
         const { gl, aim } = this;
-        const { program, places } = this.#programOf("warp", () => COPY, GRID);
+        const { program, places } = this.#programOf("warp", () => SHARE, GRID);
         const lens = ({ width, flat, shift }) => [width, Number(flat), shift[0], shift[1]];
         gl.useProgram(program);
         this.#unit(0, shown.texture, places.layer0);
@@ -219,10 +230,10 @@ export class Picture {
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
         gl.viewport(0, 0, ...this.full);
         gl.clear(gl.DEPTH_BUFFER_BIT);
-        gl.blendColor(0, 0, 0, share);
-        gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
+        gl.uniform1f(places.share, share);
+        gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
         gl.enable(gl.DEPTH_TEST);
-        if (share < 1) gl.enable(gl.BLEND);
+        if (share < 1 || this.#slot("plate")) gl.enable(gl.BLEND);
         gl.drawArrays(gl.TRIANGLES, 0, 6 * CELLS[0] * CELLS[1]);
         for (const what of [gl.DEPTH_TEST, gl.BLEND]) gl.disable(what);
     }
@@ -235,10 +246,10 @@ export class Picture {
         this.gl.clearColor(0.05, 0.05, 0.05, 1);
         this.gl.clear(this.gl.COLOR_BUFFER_BIT);
         this.sheet.forEach((name, i) => {
-            const weight = this.weights?.[name] ?? [1, 1, 1];
+            const weight = (this.muted.has(name) ? this.lit.get(name) : this.weights?.[name]) ?? [1, 1, 1];
             const parts = name === "beauty" ? this.#fewParts(this.#parts()) : [[this.#slot(name), [...weight, 0]]];
             const row = Math.floor(i / columns);
-            if (parts[0][0]) this.#show(parts, this.#gamma, [(i % columns) * width, this.full[1] - (row + 1) * height, width, height]);
+            if (parts[0][0]) this.#show(parts, name === "beauty" ? this.#over : this.#gamma, [(i % columns) * width, this.full[1] - (row + 1) * height, width, height]);
         });
     }
 
@@ -255,6 +266,7 @@ export class Picture {
         gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
         gl.viewport(...viewport);
         if (places.before) this.#unit(BEFORE, this.snapshot.texture, places.before);
+        if (places.plate) this.#unit(PLATE, this.#slot("plate").texture, places.plate);
         gl.activeTexture(gl.TEXTURE0 + TABLE);
         gl.bindTexture(gl.TEXTURE_3D, this.table);
         const { pick, shift, hole, slot } = FALSE[this.look] ?? { pick: [0, 0, 0, 0] };
@@ -288,8 +300,7 @@ export class Picture {
         const gl = this.gl;
         const [width, height] = this.size;
         const at = [Math.min(Math.floor(x * width), width - 1), Math.min(Math.floor(y * height), height - 1)];
-        const parts = this.#parts();
-        if (this.weights) parts.push([this.#slot("beauty"), [0, 0, 0, 1]]); // its alpha
+        const parts = this.#parts(true);
         // The pixel is the only one of the sum that falls into the target.
         this.#resize(this.probe, 1, 1);
         this.#addUp(this.probe, parts, [-at[0], -at[1], width, height]);
@@ -320,12 +331,14 @@ export class Picture {
         return this.textures.get(this.slots[name]);
     }
 
-    /** The layers of the picture with their weights: the beauty alone where no weight differs from 1. */
-    #parts() {
+    /** The layers of the picture with their weights: the beauty alone where no weight differs from 1. Its alpha is no sum
+        of layers; it is left out where nobody asks for it. */
+    #parts(hasAlpha = Boolean(this.#slot("plate"))) {
         if (!this.weights) return [[this.#slot("beauty"), [1, 1, 1, 1]]];
         const shines = Object.entries(this.weights).filter(([name, weight]) => this.#slot(name) && weight.some((w) => w !== 0));
         const all = shines.map(([name, weight]) => [this.#slot(name), [...weight, 0]]);
         if (this.#slot("rest")) all.push([this.#slot("rest"), [1, 1, 1, 0]]);
+        if (hasAlpha) all.push([this.#slot("beauty"), [0, 0, 0, 1]]);
         return all.length ? all : [[this.#slot("beauty"), [0, 0, 0, 1]]];
     }
 

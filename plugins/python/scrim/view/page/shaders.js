@@ -37,24 +37,34 @@ void main() {
 
 // Rows of pictures go from top to bottom, so they are upside down in textures, and upright in the canvas.
 const SHOW = `
+#ifdef WIPE
+    if (uv.x < wipe) sum = texture(before, at);
+#endif
     vec3 colour = sum.rgb;
 #ifdef FALSE
     float value = dot(sum, pick) + shift;
     float part = clamp((value - low) / (high - low), 0.0, 1.0);
     colour = value <= hole ? vec3(0.0) : clamp(1.5 - abs(4.0 * part - vec3(3.0, 2.0, 1.0)), 0.0, 1.0);
+    result = vec4(colour, 1.0);
 #else
-#ifdef WIPE
-    if (uv.x < wipe) colour = texture(before, at).rgb;
+#ifdef PLATE
+    colour += (1.0 - clamp(sum.a, 0.0, 1.0)) * texture(plate, at).rgb;
+#endif
+    float alpha = 1.0;
+#ifdef APART
+    alpha = clamp(sum.a, 0.0, 1.0);
+    colour /= max(alpha, 1e-4);
 #endif
     vec3 place = log2(1.0 + knee * max(colour * gain, 0.0)) / reach;
     colour = texture(table, (clamp(place, 0.0, 1.0) * (size - 1.0) + 0.5) / size).rgb;
 #ifdef GAMMA
     colour = pow(colour, vec3(1.0 / gamma));
 #endif
-#endif
-    result = vec4(colour, 1.0);`;
+    result = vec4(colour * alpha, alpha);
+#endif`;
 
-/** Sums layers by weights; `isShown`: and shows the sum, as `switches` say: FALSE, WIPE, GAMMA. */
+/** Sums layers by weights; `isShown`: and shows the sum, as `switches` say: FALSE; WIPE; GAMMA; PLATE, over
+    the plate; APART, with its alpha, for what is laid over another picture later. */
 export function shader(count, isShown, switches) {
     const layers = Array.from({ length: count }, (_, i) => i);
     return `#version 300 es
@@ -65,7 +75,7 @@ in vec2 uv;
 out vec4 result;
 ${layers.map((i) => `uniform sampler2D layer${i};`).join("\n")}
 uniform vec4 weights[${count}];
-uniform sampler2D before;
+uniform sampler2D before, plate;
 uniform sampler3D table;
 uniform float gain, gamma, wipe, knee, reach, size;
 uniform vec4 pick;
@@ -84,3 +94,12 @@ in vec2 uv;
 out vec4 result;
 uniform sampler2D layer0;
 void main() { result = texture(layer0, uv); }`;
+
+/** A part of a picture that is warped. */
+export const SHARE = `#version 300 es
+precision highp float;
+in vec2 uv;
+out vec4 result;
+uniform sampler2D layer0;
+uniform float share;
+void main() { result = texture(layer0, uv) * share; }`;

@@ -12,12 +12,15 @@ function modeOf(event) {
     return event.button === 2 || event.ctrlKey ? "dolly" : "orbit";
 }
 
+/** Where an event is, in parts of the canvas. */
+export function placeOf(canvas, event) {
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    return [(event.clientX - left) / width, (event.clientY - top) / height];
+}
+
 /** A box that is drawn over the canvas with the next drag: `done` hears its sides in parts of the canvas. */
 export function drawBox(canvas, box, done) {
-    const at = (event) => {
-        const { left, top, width, height } = canvas.getBoundingClientRect();
-        return [(event.clientX - left) / width, (event.clientY - top) / height].map((v) => Math.min(Math.max(v, 0), 1));
-    };
+    const at = (event) => placeOf(canvas, event).map((v) => Math.min(Math.max(v, 0), 1));
     canvas.addEventListener("pointerdown", (event) => {
         event.stopImmediatePropagation(); // the view stays
         canvas.setPointerCapture(event.pointerId);
@@ -37,6 +40,16 @@ export function drawBox(canvas, box, done) {
 }
 
 /** Lays `box` over a part of the canvas; null hides it. */
+/** Waits for a click on the canvas: `done` hears its place in parts of the canvas. Returns a function that waits no more. */
+export function pickPlace(canvas, done) {
+    const stopped = new AbortController();
+    canvas.addEventListener("pointerdown", (event) => {
+        event.stopImmediatePropagation(); // the view stays
+        done(...placeOf(canvas, event));
+    }, { once: true, capture: true, signal: stopped.signal });
+    return () => stopped.abort();
+}
+
 export function showBox(canvas, box, sides) {
     box.hidden = !sides;
     if (!sides) return;
