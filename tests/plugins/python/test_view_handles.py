@@ -179,7 +179,7 @@ def test_a_curve_is_added_and_removed():
 
 def test_pictures_of_frames_are_kept_up_to_a_limit():
     def picture():
-        return SimpleNamespace(beauty=Texture.of(numpy.zeros((10, 10, 4), numpy.float32)))  # 800 bytes
+        return SimpleNamespace(beauty=Texture.of(numpy.zeros((10, 10, 4), numpy.float32)), plate=None)  # 800 bytes
 
     cache = _playback.FrameCache(limit=2500)
     for frame in (1, 2, 3):

@@ -203,7 +203,7 @@ def test_frames_are_played_from_pictures_that_are_kept(page_of, program, tmp_pat
     files = CENTRED.replace('source = "primitives"', 'file = "b.#.vdb"')
     page = page_of("\n".join(line for line in files.splitlines() if not line.startswith("parameters")))
     page.page.click("#play")
-    shown = "document.getElementById('frame-number').textContent"
+    shown = "document.getElementById('frame-number').value"
     page.page.wait_for_function(f"(window.seen ??= new Set()).add({shown}).size === 3", timeout=PATIENCE)
     page.page.click("#play")
     page.page.wait_for_function("!scrim.state.playing")

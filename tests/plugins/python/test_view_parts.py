@@ -268,7 +268,10 @@ def test_controls_accept_what_their_keys_hold():
         assert controls[name].accepts(good) and not controls[name].accepts(bad), name
     keyed = SMOKE.replace("intensity = 4.5", "intensity = { keys = [[1, 2.0], [5, 3.0]] }")
     control = _controls.groups_of(tomlkit.parse(keyed).unwrap(), UP)[0].controls[0]
-    assert control.is_keyed and not control.accepts(2.0)
+    assert (control.value, control.key) == (2.0, "here") and control.accepts(2.0)
+    strange = SMOKE.replace("intensity = 4.5", 'intensity = 1\ncolor = { keys = [[1, { temperature = 3000 }]] }')
+    control = _controls.groups_of(tomlkit.parse(strange).unwrap(), UP)[0].controls[2]
+    assert control.is_fixed and not control.accepts([1.0, 1.0, 1.0])
 
 
 # ---- what the engine tells

@@ -11,6 +11,7 @@ import numpy as np
 from . import _code, _curves
 from ._camera import angles_of, direction_of
 from ._document import Change, Place
+from ._keys import is_keyed
 from ._messages import is_number
 
 
@@ -18,8 +19,8 @@ from ._messages import is_number
 class Control:
     """`id`: how the page names the control. `kind`: number, colour (three numbers from 0 up), vector, choice, switch,
     code, or one of `_curves.KINDS`. `least`, `most`: the ends of the slider. `log`: the slider goes by factors.
-    `labels`: what the page writes for the choices; empty: the choices themselves. `is_keyed`: the scene animates the
-    key, so the page shows that and changes nothing. `changes(value)`: the changes of the scene that a value from the
+    `zero`: its lower end is 0. `labels`: what the page writes for the choices; empty: the choices themselves. `is_fixed`:
+    only a text editor can change the value. `key`: see `_keys.mark`. `changes(value)`: the changes of the scene that a value from the
     page makes. `layer`: the layer of the picture that the value makes brighter. `law`: "factor", the layer goes by
     new value / old value; "stops": by 2 ** (new value - old value). With both, the page shows a change at once."""
 
@@ -31,16 +32,18 @@ class Control:
     least: float = 0.0
     most: float = 1.0
     log: bool = False
+    zero: bool = False
     unit: str = ""
     choices: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
-    is_keyed: bool = False
+    is_fixed: bool = False
+    key: str = ""
     layer: str = ""
     law: str = ""
 
     def accepts(self, value: object) -> bool:
         """Whether `value` has the type that this kind has. Its range is checked where the scene is read."""
-        if self.is_keyed:
+        if self.is_fixed:
             return False
         if self.kind in ("colour", "vector"):
             return is_triple(value)
@@ -60,14 +63,16 @@ class Control:
             "id": self.id,
             "label": self.label,
             "kind": self.kind,
-            "value": None if self.is_keyed else self.value,
+            "value": None if self.is_fixed else self.value,
             "least": self.least,
             "most": self.most,
             "log": self.log,
+            "zero": self.zero,
             "unit": self.unit,
             "choices": list(self.choices),
             "labels": list(self.labels or self.choices),
-            "keyed": self.is_keyed,
+            "fixed": self.is_fixed,
+            "key": self.key,
             "layer": self.layer,
             "law": self.law,
         }
@@ -94,16 +99,12 @@ def read(table: Mapping, keys: Place, default: object) -> object:
     return table
 
 
-def is_keyed(value: object) -> bool:
-    return isinstance(value, Mapping) and "keys" in value
-
-
 class Maker:
-    """Makes the controls of one table of a scene. `place`: the path of the table in the scene. `path`: the ids of its
-    controls begin with it."""
+    """Makes the controls of one table of a scene, whose keys have their values at a frame: `_keys.at`. `place`: the path
+    of the table in the scene. `path`: the ids of its controls begin with it."""
 
     def __init__(self, table: Mapping, place: Place, path: str) -> None:
-        self._table, self._place, self._path = table, place, path
+        self._table, self.place, self.path = table, place, path
         self.controls: list[Control] = []
 
     def has(self, *keys: str) -> bool:
@@ -115,16 +116,16 @@ class Maker:
     def add(self, label: str, kind: str, keys: Place, default: object, whole: bool = False, **more: object) -> None:
         """`whole`: the key takes whole numbers alone."""
         value = read(self._table, keys, default)
-        place = (*self._place, *keys)
+        place = (*self.place, *keys)
         name = ".".join(str(key) for key in keys)
-        keyed = is_keyed(value)
-        if kind == "number" and not keyed and not is_number(value):
+        fixed = is_keyed(value)  # by keys of another form
+        if kind == "number" and not fixed and not is_number(value):
             return  # a grid, or another form of the key without a slider
-        if kind in ("colour", "vector") and not keyed and not is_triple(value):
+        if kind in ("colour", "vector") and not fixed and not is_triple(value):
             return
-        given: dict = {"is_keyed": keyed, **more}
+        given: dict = {"is_fixed": fixed, **more}
         changes = lambda it: [(place, round(it) if whole else it)]  # noqa: E731
-        self.controls.append(Control(f"{self._path}.{name}", label, kind, value, changes, **given))
+        self.controls.append(Control(f"{self.path}.{name}", label, kind, value, changes, **given))
 
     def add_pair(self, label: str, keys: Place, default: tuple[float, float], ascends: bool = True,
                  ends: tuple[str, ...] = ("low", "high")) -> None:  # fmt: skip
@@ -133,7 +134,7 @@ class Maker:
         value = read(self._table, keys, list(default))
         if not (isinstance(value, list) and len(value) == 2 and all(is_number(one) for one in value)):
             return
-        place, name = (*self._place, *keys), ".".join(str(key) for key in keys)
+        place, name = (*self.place, *keys), ".".join(str(key) for key in keys)
         low, high = value
         least, most = min(0.0, low), max(1.0, high)
         gap = 1e-3 * (most - least)
@@ -144,17 +145,17 @@ class Maker:
         for end, one in (("low", low), ("high", high)):
             if end in ends:
                 self.controls.append(
-                    Control(f"{self._path}.{name}.{end}", f"{label}, {end}", "number", one, changes[end], least, most)
+                    Control(f"{self.path}.{name}.{end}", f"{label}, {end}", "number", one, changes[end], least, most)
                 )
 
     def add_curve(self, label: str, kind: str, keys: Place) -> None:
         """A curve; an empty one where the scene has no such key."""
         given = read(self._table, keys, None)
         points = _curves.points(kind, given) if given is not None else []
-        place, name = (*self._place, *keys), ".".join(str(key) for key in keys)
+        place, name = (*self.place, *keys), ".".join(str(key) for key in keys)
         changes = lambda it: _curves.changes(kind, place, it, given)  # noqa: E731
         self.controls.append(
-            Control(f"{self._path}.{name}", label, kind, points, changes, is_keyed=points is None)
+            Control(f"{self.path}.{name}", label, kind, points, changes, is_fixed=points is None)
         )  # fmt: skip
 
     def add_angles(self, label: str, key: str, up: np.ndarray) -> None:
@@ -163,11 +164,11 @@ class Maker:
         if not is_triple(value):
             return
         azimuth, elevation = angles_of(value, up)
-        place = (*self._place, key)
+        place = (*self.place, key)
         self.controls += [
-            Control(f"{self._path}.azimuth", f"{label} azimuth", "number", azimuth,
+            Control(f"{self.path}.azimuth", f"{label} azimuth", "number", azimuth,
                     lambda a: [(place, direction_of(a, elevation, up))], -180.0, 180.0, unit="°"),
-            Control(f"{self._path}.elevation", "elevation", "number", elevation,
+            Control(f"{self.path}.elevation", "elevation", "number", elevation,
                     lambda e: [(place, direction_of(azimuth, e, up))], -90.0, 90.0, unit="°"),
         ]  # fmt: skip
 

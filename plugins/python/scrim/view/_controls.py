@@ -7,11 +7,12 @@ Ranges of sliders are usual values, not limits: the library checks a value when 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from . import _code, _shading
-from ._control_maker import Control, Group, Maker, is_keyed, is_triple, read
+from . import _code, _keys, _lens, _phases, _shading
+from ._control_maker import Control, Group, Maker, is_triple, read
 from ._document import name_of
 from ._messages import is_number
 
@@ -19,6 +20,10 @@ _QUALITIES = ("draft", "standard", "high", "ultra")
 # The errors that these qualities promise, first for media, then for classified volumes: `scrim help render`.
 _PROMISES = (0.03, 0.01, 0.003, 0.001), (0.05, 0.02, 0.01, 0.005)
 _WHITE = [1.0, 1.0, 1.0]
+# What the intensity of a light is: `scrim help light`.
+_QUANTITIES = {"distant": "irradiance", "area": "radiance", "dome": "radiance"} | dict.fromkeys(
+    ("point", "spot", "projector"), "radiant intensity"
+)
 
 
 def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
@@ -26,7 +31,8 @@ def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
     make = Maker(light, ("light", index), f"light.{name}")
     kind = light.get("type", "")
     factor, stops = ({"layer": f"light.{name}", "law": law} for law in ("factor", "stops"))
-    make.add("intensity", "number", ("intensity",), 1.0, least=0.01, most=1000.0, log=True, **factor)
+    usual = {"least": 0.01, "most": 1000.0, "log": True, "zero": True}
+    make.add("intensity", "number", ("intensity",), 1.0, unit=_QUANTITIES.get(kind, ""), **usual, **factor)
     make.add("exposure", "number", ("exposure",), 0.0, least=-8.0, most=8.0, unit="stops", **stops)
     make.add("colour", "colour", ("color",), _WHITE, **factor)
     make.add("temperature", "number", ("temperature",), 6500.0, least=1000.0, most=15000.0, log=True, unit="K")
@@ -34,7 +40,7 @@ def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
         make.add_angles("from", "direction", up)
     for key in ("position", "target"):
         if make.has(key):
-            make.add(key, "vector", (key,), None)
+            make.add(key, "vector", (key,), None, unit="units")
     sizes = {
         "angle": ("distant",),
         "width": ("area",),
@@ -44,9 +50,10 @@ def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
     for key, kinds in sizes.items():
         if kind in kinds and (make.has(key) or key == "angle"):
             if key == "angle":
-                make.add(key, "number", (key,), 0.0, most=10.0, unit="°")
+                make.add(key, "number", (key,), 0.0, least=0.05, most=90.0, log=True, zero=True, unit="°")
             else:
-                make.add(key, "number", (key,), 0.0, least=0.01, most=1000.0, log=True)
+                usual["zero"] = key == "radius" and kind != "area"
+                make.add(key, "number", (key,), 0.0, unit="units", **usual)
     if kind == "spot":
         make.add("cone", "number", ("cone",), 45.0, least=1.0, most=180.0, unit="°")
         make.add("blend", "number", ("blend",), 0.15)
@@ -61,26 +68,23 @@ def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
 def _volume(index: int, volume: Mapping) -> Group:
     name = name_of("volume", index, volume)
     make = Maker(volume, ("volume", index), f"volume.{name}")
-    make.add("density", "number", ("density", "scale"), 1.0, least=1e-4, most=1e4, log=True)
+    make.add(
+        "density", "number", ("density", "scale"), 1.0, least=1e-4, most=1e4, log=True, zero=True, unit="per unit"
+    )
     make.add_curve("density curve", "ramp", ("density", "ramp"))
     if "classified" in volume:
         make.add_curve("transfer", "transfer", ("classified", "transfer"))
     else:
         make.add("albedo", "colour", ("medium", "albedo"), [0.9, 0.9, 0.9])
         make.add("extinction tint", "colour", ("medium", "extinction_tint"), _WHITE)
-        if read(volume, ("medium", "phase", "type"), "hg") == "hg":
-            keys, g = ("medium", "phase", "g"), read(volume, ("medium", "phase", "g"), 0.0)
-            place = ("volume", index, "medium", "phase")
-            make.controls.append(
-                Control(f"volume.{name}.{'.'.join(keys)}", "phase g", "number", g,
-                        lambda it: [((*place, "type"), "hg"), ((*place, "g"), it)], -0.95, 0.95, is_keyed=is_keyed(g))
-            )  # fmt: skip
+        _phases.add(make)
         usual = "octaves" if make.has("medium", "octaves") else "single"
         make.add("scattering", "choice", ("medium", "scattering"), usual, choices=("single", "octaves", "full"))
         for key in ("emission", "blackbody"):
             factor = "scale" if key == "emission" else "intensity"
             if make.has("medium", key):
-                make.add(f"{key} {factor}", "number", ("medium", key, factor), 1.0, least=1e-3, most=1e3, log=True)
+                make.add(f"{key} {factor}", "number", ("medium", key, factor), 1.0, least=1e-3, most=1e3, log=True,
+                         zero=True)  # fmt: skip
         if make.has("medium", "blackbody"):
             make.add("blackbody tint", "colour", ("medium", "blackbody", "tint"), _WHITE)
         if make.has("medium", "albedo", "ramp"):
@@ -120,12 +124,12 @@ def _volume_code(index: int, volume: Mapping) -> Group:
     code = volume.get("ax", "")
     make.controls.append(
         Control(f"volume.{name}.ax", "code", "code", code, lambda it: _code.changes(volume, place, it),
-                is_keyed="ax_file" in volume)
+                is_fixed="ax_file" in volume)
     )  # fmt: skip
     for key, value in _code.parameters(volume):
         if is_triple(value):
             make.add(f"${key}", "vector", ("parameters", key), None)
-        elif is_keyed(value):
+        elif _keys.is_keyed(value):
             make.add(f"${key}", "number", ("parameters", key), None)
         elif is_number(value):
             least, most = _code.range_of(value)
@@ -137,17 +141,25 @@ def _render(scene: Mapping) -> Group:
     make = Maker(scene, (), "scene")
     labels = tuple(f"{q} ({100 * p:g} % of error)" for q, p in zip(_QUALITIES, _promises(scene)))
     make.add("quality", "choice", ("render", "quality"), "standard", choices=_QUALITIES, labels=labels)
-    if not any(make.has("camera", key) for key in ("focal_length", "exr", "height")):
-        make.add("field of view", "number", ("camera", "fov"), 35.0, least=5.0, most=120.0, unit="°")
     return Group("render", "render", "Picture", make.controls)
 
 
-def groups_of(scene: Mapping, up: np.ndarray) -> list[Group]:
-    """The controls of a scene. `up`: the axis of the world about which azimuths of lights are measured."""
-    groups = [_light(i, light, up) for i, light in enumerate(scene.get("light", []))]
-    ambient = Maker(scene, (), "scene")
+def groups_of(scene: Mapping, up: np.ndarray, frame: int = 1, distance: float = 1.0) -> list[Group]:
+    """The controls of a scene, with the values of a frame. `up`: the axis of the world about which azimuths of lights
+    are measured. `distance`: where the view's pivot is, which a new lens focuses on."""
+    now = _keys.at(scene, frame)
+    groups = [_light(i, light, up) for i, light in enumerate(now.get("light", []))]
+    ambient = Maker(now, (), "scene")
     ambient.add("colour", "colour", ("ambient", "color"), [0.0, 0.0, 0.0], layer="ambient", law="factor")
     groups.append(Group("ambient", "ambient", "Ambient light", ambient.controls))
-    for index, volume in enumerate(scene.get("volume", [])):
+    for index, volume in enumerate(now.get("volume", [])):
         groups += [make(index, volume) for make in (_volume, _volume_shading, _volume_code)]
-    return [*groups, _render(scene)]
+    groups += [_lens.group_of(now, distance), _render(now)]
+    return [replace(group, controls=[_marked(one, scene, frame) for one in group.controls]) for group in groups]
+
+
+def _marked(control: Control, scene: Mapping, frame: int) -> Control:
+    if control.kind not in ("number", "colour", "vector") or control.is_fixed:
+        return control
+    marks = [_keys.mark(scene, place, frame) for place, _ in control.changes(control.value)]
+    return replace(control, key=next(filter(None, marks), ""))

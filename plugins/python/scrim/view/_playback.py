@@ -25,7 +25,7 @@ class FrameCache:
         """`look`: everything that a picture depends on, except for its frame."""
         self._drop((look, frame))
         self._kept[look, frame] = pictures
-        self._size += pictures.beauty.pixels.nbytes
+        self._size += _bytes_of(pictures)
         while self._size > self._limit and self._kept:
             self._drop(next(iter(self._kept)))
 
@@ -46,17 +46,21 @@ class FrameCache:
     def _drop(self, key: tuple[Hashable, int]) -> None:
         pictures = self._kept.pop(key, None)
         if pictures is not None:
-            self._size -= pictures.beauty.pixels.nbytes
+            self._size -= _bytes_of(pictures)
+
+
+def _bytes_of(pictures: Pictures) -> int:
+    return pictures.beauty.pixels.nbytes + (pictures.plate.pixels.nbytes if pictures.plate else 0)
 
 
 class Player:
     """Plays the frames of a session, each as soon as its picture is there and not before its time. `session` shows a
-    frame (`show_frame`), and says how many there are a second (`fps`). The session
+    frame (`show_frame`), and says which there are (`frames`), and how many a second (`fps`). The session
     calls `go_on` if the picture of the frame is kept; otherwise it calls `wait`, and `took` once the picture is there.
     `tell` and `later` are those of the session."""
 
-    def __init__(self, session: object, frames: list[int], tell: Callable, later: Callable) -> None:
-        self._session, self._frames, self._tell, self._later = session, frames, tell, later
+    def __init__(self, session: object, tell: Callable, later: Callable) -> None:
+        self._session, self._tell, self._later = session, tell, later
         self._cache = FrameCache()
         self._since = 0.0  # when the frame was gone to
         self._waits = False  # for its picture
@@ -64,8 +68,8 @@ class Player:
         self.is_playing = False
 
     def play(self, on: bool) -> None:
-        begins = on and not self.is_playing and len(self._frames) > 1
-        self.is_playing = on and len(self._frames) > 1
+        begins = on and not self.is_playing and len(self._session.frames) > 1
+        self.is_playing = on and len(self._session.frames) > 1
         if begins:
             self._run += 1
             self._advance(self._run)
@@ -90,7 +94,7 @@ class Player:
     def _advance(self, run: int) -> None:
         if not self._plays(run):
             return
-        frame = next((f for f in self._frames if f > self._session.frame), self._frames[0])
+        frame = next((f for f in self._session.frames if f > self._session.frame), self._session.frames[0])
         self._since, self._waits = time.monotonic(), False
         try:
             self._session.show_frame(frame, lambda: self._plays(run))

@@ -7,6 +7,7 @@ what `_aside` and `_turns` are given, such as reading a stage, is done in thread
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -15,13 +16,14 @@ from dataclasses import replace
 from .. import _scrim
 from .._bounds import Places
 from .._errors import UsageError
-from . import _code, _handles, _lights, _messages
+from . import _code, _handles, _keys, _messages
 from ._aside import Made, aside
-from ._controls import Control, groups_of
+from ._controls import Control, Group, groups_of
 from ._document import Change, Document, name_of, path_of, rounded
 from ._luts import Lut, Tables
 from ._opened import Opened, renamed_files
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
+from ._placing import Placing
 from ._playback import Player
 from ._renderer import Renderer, Task, Wanted, is_exact
 from ._stage import Stage
@@ -29,10 +31,11 @@ from ._verified import verified
 from ._viewpoint import Viewpoint
 
 _STILL = 0.25  # seconds without an event after which a held mouse counts as resting
+_MOST_FRAMES = 10_000  # between keys
 _SLOW = 0.3  # seconds of reading a stage after which the page says that it is read
 
 
-class Session:
+class Session(Placing):
     """`tell(message)`: sends a dict to all browsers. `show()`: sends them the newest pictures. `later(seconds, call)`:
     calls in the event loop's thread, and may be called from any thread. `serial`: number of the last event. Raises
     scrim.Error where the scene is bad."""
@@ -59,7 +62,7 @@ class Session:
         self._message, self._verify = "", False
         self._stage = Stage(opened, lambda: self.document.data.get("camera"), self._later, self._lost_stage)
         self._failed = ("", "")  # the scene that could not be rendered last, and why
-        self.player = Player(self, opened.frames, tell, self._later)
+        self.player = Player(self, tell, self._later)
         self._tables = Tables(lambda: self._show(), self._later)
         self._region: tuple[int, int, int, int] | None = None
         self.pictures: Pictures | None = None
@@ -174,55 +177,10 @@ class Session:
         self._change(control.changes(value), message)
 
     def _change(self, changes: Iterable[Change], message: Mapping) -> None:
-        text = self.document.changed(changes)
+        text = self.document.changed(_keys.kept(self.document.data, changes, self.frame))
         self._read(text)  # raises where the scene is bad then
         self.document.take(text, message.get("step"))
         self._update(moves=not message.get("done", True))
-
-    def _on_place(self, message: Mapping) -> None:
-        """A light's handle was dragged."""
-        index, x, y = self._light(message)
-        self._change(_handles.moved(self.document.data, index, self._seen_from(), x, y), message)
-
-    def _on_add(self, message: Mapping) -> None:
-        """A new light."""
-        data = self.document.data
-        light = _lights.added(data, message.get("light"), self._viewpoint.pose, self._resolved["lights"])
-        self._change([(("light", len(data.get("light", []))), light)], message)
-
-    def _on_remove(self, message: Mapping) -> None:
-        """A light goes."""
-        name, lights = message.get("light"), self.document.data.get("light", [])
-        index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
-        if index is None:
-            raise UsageError(f"the scene has no light {name!r}")
-        muted, self._muted = self._muted, self._muted - {f"light.{name}"}
-        try:
-            self._change(_lights.removed(self.document.data, index), message)
-        except Exception:
-            self._muted = muted
-            raise
-
-    def _on_highlight(self, message: Mapping) -> None:
-        """A light is to shine where the page was clicked."""
-        index, x, y = self._light(message)
-        depth = self.pictures.depth if self.pictures else None
-        if depth is None:
-            raise UsageError("where things are is known once the picture is finished: wait for it")
-        changes = _handles.highlit(self.document.data, index, self._seen_from(), depth.mean, x, y)
-        if changes is None:
-            raise UsageError("there is nothing to light at this place")
-        self._change(changes, message)
-
-    def _light(self, message: Mapping) -> tuple[int, float, float]:
-        name, lights = message.get("light"), self.document.data.get("light", [])
-        index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
-        if index is None or not _handles.has_handle(lights[index]):
-            raise UsageError(f"the scene has no light {name!r} that can be placed in the picture")
-        return index, _messages.number(message.get("x")), _messages.number(message.get("y"))
-
-    def _seen_from(self) -> _handles.View:
-        return _handles.View(self._viewpoint.pose, self._viewpoint.shift)
 
     def _on_camera(self, message: Mapping) -> None:
         """Looks through another camera of the stage."""
@@ -325,6 +283,14 @@ class Session:
         return os.path.basename(self.opened.input)
 
     @property
+    def frames(self) -> list[int]:
+        """The frames that the page offers: those of sequences and stages, else those between the scene's keys."""
+        keys = _keys.frames(self.document.data) if len(self.opened.frames) < 2 else []
+        if not keys or max(keys) - min(keys) > _MOST_FRAMES:
+            return self.opened.frames
+        return list(range(min(math.floor(min(keys)), self.frame), max(math.ceil(max(keys)), self.frame) + 1))
+
+    @property
     def fps(self) -> float:
         output = self.document.data.get("output", {})
         first = output[0] if isinstance(output, list) and output else output  # the further files of a list have none
@@ -401,8 +367,11 @@ class Session:
         self._reader = reader
         self._viewpoint.read(self.document.data_of(text), self._resolved)
 
+    def _controls(self) -> list[Group]:
+        return groups_of(self.document.data, self._viewpoint.up, self.frame, self._viewpoint.pose.distance)
+
     def _control(self, name: object) -> Control:
-        for group in groups_of(self.document.data, self._viewpoint.up):
+        for group in self._controls():
             for control in group.controls:
                 if control.id == name:
                     return control
@@ -467,7 +436,7 @@ class Session:
         the view."""
         return {
             "weights": self.weights(),
-            "handles": _handles.of(self.document.data, self._seen_from()),
+            "handles": _handles.of(self._scene_now(), self._seen_from()),
             "camera": self.camera,
             "changed_by": self._changed_by,
             "serial": self._serial,
@@ -496,7 +465,7 @@ class Session:
             "muted": sorted(self._muted),
             **self._seen(),
             "frame": self.frame,
-            "frames": self.opened.frames,
+            "frames": self.frames,
             "resolution": self._viewpoint.resolution,
             "aspect": self._viewpoint.aspect,
             "cameras": self.opened.cameras,
@@ -585,7 +554,7 @@ class Session:
         groups = [
             {"kind": g.kind, "name": g.name, "title": g.title, "folded": g.folded,
              "controls": [c.as_data() for c in g.controls]}
-            for g in groups_of(self.document.data, self._viewpoint.up)
+            for g in self._controls()
         ]  # fmt: skip
         text, error = self._failed
         if text == self.document.text and (found := _code.mistake(text, self._name, error)):
