@@ -145,7 +145,8 @@ class Pictures:
     asks for. `muted`: lights that were left out of the beauty. `region`: the
     pixels that are final, while the others are older. `depth`: comes with the layers. `frame`: the frame of
     the render that the scene's file makes, too,
-    bit for bit; None until it was made. `camera`: the view, as the page projects by it."""
+    bit for bit; None until it was made. `camera`: the view, as the page projects by it. `plate`: what the
+    scene's preview is laid over."""
 
     shape: Shape
     beauty: Texture
@@ -160,6 +161,7 @@ class Pictures:
     frame: object = None
     seconds: float = 0.0
     camera: Mapping = field(default_factory=dict)
+    plate: Texture | None = None
 
     def weights(self, wanted: Strengths, muted: frozenset[str]) -> dict[str, list[float]] | None:
         """Factors of the layers for these strengths; None where the beauty is the picture."""

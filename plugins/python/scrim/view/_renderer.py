@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 from .. import _scrim
 from .._errors import Cancelled
-from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, own_layers, pictures_of, with_region
+from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, Texture, own_layers, pictures_of, with_region
 
 # Dials while things move: coarse, in time that depends little on the volume. They replace the search of the dials that
 # keep a preset's promise, which takes longer than such a render.
@@ -321,7 +321,7 @@ class Renderer:
     def _take(self, frame: object, wanted: Wanted, task: Task, seconds: float) -> None:
         pictures, has_layers = self._pictures, task.kind in ("layers", "light")
         made = pictures_of(frame, wanted.shape, wanted.strengths, task.stage, seconds, has_layers)
-        made = replace(made, camera=wanted.camera)
+        made = replace(made, camera=wanted.camera, plate=self._plate(frame, wanted))
         if task.kind == "whole":
             self._pictures = replace(made, muted=wanted.muted)
         elif task.kind in ("exact", "verify"):
@@ -345,6 +345,14 @@ class Renderer:
                 pictures.shape, lights={**pictures.shape.lights, task.light: wanted.shape.lights[task.light]}
             )
             self._pictures = replace(pictures, layers=layers, shape=shape, frame=None, is_whole=False, seconds=seconds)
+
+    def _plate(self, frame: object, wanted: Wanted) -> Texture | None:
+        """The preview's backplate; that of the pictures before, where it has no fewer pixels."""
+        pixels, before = frame.backplate, self._pictures
+        if pixels is None:
+            return None
+        kept = before.plate if before and before.shape.common["frame"] == wanted.frame else None
+        return kept if kept and kept.pixels.size >= pixels.size else Texture.of(pixels)
 
 
 __all__ = ["Layer", "Renderer", "Task", "Wanted", "is_exact", "next_task"]

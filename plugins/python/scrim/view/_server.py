@@ -374,6 +374,8 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         if pictures.rest is not None:
             slots["rest"] = pictures.rest
         slots |= {name: layer.texture for name, layer in (pictures.layers or {}).items() if layer.texture}
+        if pictures.plate is not None:
+            slots["plate"] = pictures.plate
         if pictures.depth is not None:
             slots["depth"] = pictures.depth.texture
         fresh = [texture for texture in slots.values() if texture.number not in self._has]
