@@ -301,7 +301,11 @@ click("region", () => {
     });
 });
 let stopFocus = null; // while a place is waited for
-const focusOn = (stop) => by("focus").setAttribute("aria-pressed", String(Boolean((stopFocus = stop))));
+function focusOn(stop) {
+    stopFocus = stop;
+    by("focus").setAttribute("aria-pressed", String(Boolean(stop)));
+    by("stage").classList.toggle("picks", Boolean(stop));
+}
 click("focus", () => {
     if (stopFocus) {
         stopFocus();
