@@ -15,6 +15,7 @@ pytest.importorskip("tornado")
 tomlkit = pytest.importorskip("tomlkit")
 
 from conftest import SMOKE  # noqa: E402
+from viewing import Viewer  # noqa: E402
 
 import scrim  # noqa: E402
 from scrim.view import _camera, _controls, _document, _luts, _opened, _pictures, _renderer, _session  # noqa: E402
@@ -322,3 +323,23 @@ def test_the_table_of_a_view_is_the_view_to_a_step_of_eight_bits():
     pixels[0, :, :3] = colours
     wanted = numpy.clip(shot.displayed(pixels, display, view)[0, :, :3], 0, 1)
     assert numpy.abs(found - wanted).max() * 255 <= 1.0, numpy.abs(found - wanted).max() * 255
+
+
+def test_a_surface_that_is_seen_follows_a_light_while_its_slider_moves(tmp_path, python_path):
+    (tmp_path / "floor.obj").write_text("v -9 -1 -9\nv 9 -1 -9\nv 9 -1 9\nv -9 -1 9\nf 4 3 2 1\n")
+    path = tmp_path / "seen.toml"
+    path.write_text(SMOKE + '\n[[mesh]]\nfile = "floor.obj"\ncolor = [0.5, 0.5, 0.5]\n')
+    viewer = Viewer(path, python_path)
+    browser = viewer.browser()
+    try:
+        before = browser.until_layers()[-6:, :, :3].mean()  # the floor
+        browser.send(type="set", id="light.key.intensity", value=45.0, done=False)
+        serial = browser.serial
+        browser.until(lambda m: m["type"] == "pictures" and m["serial"] >= serial)
+        assert browser.head["stage"] == "motion" and browser.head["weights"] is None
+        assert browser.pictures["beauty"][-2:, :, :3].mean() > 3 * before
+        browser.send(type="rest")
+        assert browser.until_exact()[-6:, :, :3].mean() > 3 * before
+    finally:
+        browser.close()
+        viewer.close()

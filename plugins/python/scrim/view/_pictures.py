@@ -26,7 +26,8 @@ _numbers = itertools.count(1)
 @dataclass(frozen=True)
 class Shape:
     """Everything in a scene but the strengths. `common`: what concerns the whole picture; `lights`: what
-    concerns each light alone; `render`: how exact the picture is. Two scenes with equal shapes differ by weights."""
+    concerns each light alone; `render`: how exact the picture is. Two scenes with equal shapes differ by weights. The
+    strengths are a part of the shape where the camera sees meshes or skies."""
 
     common: Mapping
     lights: Mapping[str, Mapping]
@@ -59,6 +60,9 @@ def _emitter(scene: Mapping) -> dict | None:
 def shape_of(scene: Mapping, view: Mapping, frame: int) -> Shape:
     """`view`: overrides of the camera."""
     common = copy.deepcopy(dict(scene))
+    lit = common if _has_backdrop(scene) else {}  # no layer of a light holds what it gives the backdrop
+    strengths = [{key: light[key] for key in _STRENGTHS if key in light} for light in lit.get("light", [])]
+    strengths.append(copy.copy(lit.get("ambient")))
     lights = {
         name_of("light", index, light): {key: value for key, value in light.items() if key not in _STRENGTHS}
         for index, light in enumerate(common.pop("light", []))
@@ -72,7 +76,14 @@ def shape_of(scene: Mapping, view: Mapping, frame: int) -> Shape:
     if emitter := _emitter(common):
         emitter["table"].pop(emitter["key"], None)
     # Lights that come or go change the sums and the plan: they count as a change of everything.
-    return Shape({"scene": common, "view": dict(view), "frame": frame, "lights": list(lights)}, lights, render)
+    parts = {"scene": common, "view": dict(view), "frame": frame, "lights": list(lights), "strengths": strengths}
+    return Shape(parts, lights, render)
+
+
+def _has_backdrop(scene: Mapping) -> bool:
+    """Whether the camera sees meshes or skies."""
+    seen = [mesh.get("color") for mesh in scene.get("mesh", [])] + [one.get("visible") for one in scene.get("light", [])]
+    return any(seen)
 
 
 def own_layers(lights: Iterable[str]) -> dict[str, str]:
