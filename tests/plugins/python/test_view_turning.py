@@ -87,3 +87,17 @@ def test_another_scene_is_not_hidden_by_the_sharp_picture_of_the_one_before(page
     page.page.wait_for_function("scrim.state.changed && scrim.isSettled", timeout=PATIENCE)
     page.page.evaluate(DRAWN)
     assert page.shown().mean() < 0.2 * before.mean()
+
+
+def test_a_view_from_another_side_waits_for_its_picture(opened):  # noqa: F811
+    opened.drag(0.5, 0)
+    opened.page.wait_for_function("scrim.state.free")
+    opened.settle()
+    before = opened.pixels()
+    opened.page.evaluate(HOLD, ["motion", "final"])
+    opened.page.click("#scene-camera")  # 90 degrees away: what was seen there is a thin edge from here
+    opened.page.wait_for_function("!scrim.state.free")
+    opened.page.evaluate(DRAWN)
+    assert numpy.abs(opened.pixels() - before).max() <= 2
+    opened.page.evaluate(RELEASE)
+    opened.settle()

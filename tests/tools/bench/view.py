@@ -60,7 +60,9 @@ def measure(page, url, began):
     exact(page)
     box = page.locator("#picture").bounding_box()
     middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    print(described("orbit", *drag(page, middle, (2, 1), "picture")))
+    print(described("orbit: its picture", *drag(page, middle, (2, 1), "picture")))
+    page.wait_for_timeout(3000)
+    print(described("orbit: the view", *drag(page, middle, (-2, -1), "view")))
     began = time.monotonic()
     page.wait_for_function("document.body.dataset.stage === 'final' || document.body.dataset.stage === 'exact'",
                            timeout=PATIENCE)  # fmt: skip

@@ -153,7 +153,8 @@ export class Picture {
     draw(isQuick = false) {
         if (!this.isReady) return;
         if (this.sheet) return this.#drawSheet();
-        if ((this.isWarped || this.sharp.camera) && this.look === "picture") return this.#drawWarped();
+        const moves = this.isWarped || this.sharp.camera;
+        if (moves && this.look === "picture" && this.#turnFrom(this.camera) < MOST_TURN) return this.#drawWarped();
         const isFalse = FALSE[this.look] && this.#slot(FALSE[this.look].slot);
         const parts = isFalse ? [[this.#slot(FALSE[this.look].slot), [1, 1, 1, 1]]] : this.#fewParts(this.#parts());
         const [width, height] = this.#sizeOf(parts);
@@ -201,9 +202,14 @@ export class Picture {
     /** How much of the sharp picture is shown: all of it, until the view has turned so far that a draft is better. */
     #trust() {
         const most = Math.min(TURN * (2 + this.full[0] / this.size[0]), MOST_TURN);
-        const [back, before] = [this.aim, this.sharp.camera].map(({ matrix }) => matrix.slice(8, 11));
-        const turn = Math.acos(Math.min(back.reduce((sum, v, i) => sum + v * before[i], 0), 1));
-        return this.sharp.camera === this.camera ? 1 : Math.min(Math.max(3 - (3 * turn) / most, 0), 1);
+        const share = 3 - (3 * this.#turnFrom(this.sharp.camera)) / most;
+        return this.sharp.camera === this.camera ? 1 : Math.min(Math.max(share, 0), 1);
+    }
+
+    /** The angle from a camera to the newest view. */
+    #turnFrom(camera) {
+        const [back, before] = [this.aim, camera].map(({ matrix }) => matrix.slice(8, 11));
+        return Math.acos(Math.min(back.reduce((sum, v, i) => sum + v * before[i], 0), 1));
     }
 
     /** Layers as the screen shows them, in a target. */
