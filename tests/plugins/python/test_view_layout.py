@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page around the picture: what comes and goes leaves the picture where it is, and nothing lies over what it tells."""
+"""The page around the picture: what comes and goes leaves the picture where it is, and nothing hides what it says."""
 
 import numpy
 import pytest

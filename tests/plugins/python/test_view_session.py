@@ -29,6 +29,8 @@ BUTTONS = (
     "#layers",
     "#count",
     "#lights",
+    "#fold",
+    "#focus",
     "#verify",
     "#error-next",
     "#error-regions",
@@ -100,6 +102,7 @@ def point(page, chance):
 
 def look(page, chance):
     page.select_option("#look", chance.choice(("picture", "depth", "transmittance")))
+    page.select_option("#aspect", chance.choice(("", "1", "2.39")))
 
 
 def come_and_go(page, chance):

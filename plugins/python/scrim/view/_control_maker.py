@@ -19,10 +19,11 @@ from ._messages import is_number
 class Control:
     """`id`: how the page names the control. `kind`: number, colour (three numbers from 0 up), vector, choice, switch,
     code, or one of `_curves.KINDS`. `least`, `most`: the ends of the slider. `log`: the slider goes by factors.
-    `zero`: its lower end is 0. `labels`: what the page writes for the choices; empty: the choices themselves. `is_fixed`:
-    only a text editor can change the value. `key`: see `_keys.mark`. `changes(value)`: the changes of the scene that a value from the
-    page makes. `layer`: the layer of the picture that the value makes brighter. `law`: "factor", the layer goes by
-    new value / old value; "stops": by 2 ** (new value - old value). With both, the page shows a change at once."""
+    `zero`: its lower end is 0. `labels`: what the page writes for the choices; empty: the choices themselves.
+    `is_fixed`: only a text editor can change the value. `key`: see `_keys.mark`. `changes(value)`: the changes of the
+    scene that a value from the page makes. `layer`: the layer of the picture that the value makes brighter. `law`:
+    "factor", the layer goes by new value / old value; "stops": by 2 ** (new value - old value). With both, the page
+    shows a change at once."""
 
     id: str
     label: str
@@ -100,8 +101,8 @@ def read(table: Mapping, keys: Place, default: object) -> object:
 
 
 class Maker:
-    """Makes the controls of one table of a scene, whose keys have their values at a frame: `_keys.at`. `place`: the path
-    of the table in the scene. `path`: the ids of its controls begin with it."""
+    """Makes the controls of one table of a scene, with the values that its keys have at a frame (`_keys.at`). `place`:
+    the path of the table in the scene. `path`: the ids of its controls begin with it."""
 
     def __init__(self, table: Mapping, place: Place, path: str) -> None:
         self._table, self.place, self.path = table, place, path

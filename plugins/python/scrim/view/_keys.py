@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values that a scene animates, { keys = [[frame, value], ...] }: what they are at a frame, and how they are set there."""
+"""Values that a scene animates, { keys = [[frame, value], ...] }: what they are at a frame, and how to set them."""
 
 from __future__ import annotations
 

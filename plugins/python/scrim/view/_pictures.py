@@ -82,8 +82,8 @@ def shape_of(scene: Mapping, view: Mapping, frame: int) -> Shape:
 
 def _has_backdrop(scene: Mapping) -> bool:
     """Whether the camera sees meshes or skies."""
-    seen = [mesh.get("color") for mesh in scene.get("mesh", [])] + [one.get("visible") for one in scene.get("light", [])]
-    return any(seen)
+    has_mesh = any(mesh.get("color") for mesh in scene.get("mesh", []))
+    return has_mesh or any(light.get("visible") for light in scene.get("light", []))
 
 
 def own_layers(lights: Iterable[str]) -> dict[str, str]:

@@ -365,7 +365,10 @@ for (const name of ["exposure", "gamma"]) {
 }
 by("frame").addEventListener("input", () => send({ type: "frame", number: Number(by("frame").value), done: false }));
 by("frame").addEventListener("change", () => send({ type: "rest" }));
-by("frame-number").addEventListener("change", () => send({ type: "frame", number: Number(by("frame-number").value), done: true }));
+by("frame-number").addEventListener("change", () => {
+    const number = Number.parseInt(by("frame-number").value, 10);
+    if (Number.isFinite(number)) send({ type: "frame", number, done: true });
+});
 click("play", () => send({ type: "play", on: !state.playing }));
 by("cameras").addEventListener("change", (event) => event.target.value && send({ type: "camera", name: event.target.value, done: true }));
 
