@@ -56,6 +56,19 @@ def test_a_change_of_a_keyed_value_touches_its_key_alone():
         assert text == KEYED.replace(KEYS, KEYS.replace("[[1, 2.0], [5, 8.0], [9, 3.0]]", keys))
 
 
+def test_keys_on_lines_of_their_own_keep_their_comments():
+    lines = "intensity = { keys = [\n    [1, 2],   # dark\n    [9, 3.0],   # the end\n] }"
+    document = _document.Document(SMOKE.replace("intensity = 4.5", lines))
+    for frame, value, wanted in [
+        (9, 6.0, lines.replace("3.0", "6.0")),
+        (5, 4.0, lines.replace("# dark\n", "# dark\n    [5, 4.0],\n").replace("3.0", "6.0")),
+    ]:
+        changes = control(document.text, "light.key.intensity", frame).changes(value)
+        document.take(document.changed(_keys.kept(document.data, changes, frame)))
+        assert document.text == SMOKE.replace("intensity = 4.5", wanted)
+        assert document.data == tomlkit.parse(document.text).unwrap()
+
+
 def test_value_at_refuses_keys_that_do_not_fit():
     with pytest.raises(scrim.UsageError, match="keys: expected as many frames as values, and one of them at least"):
         scrim._scrim.value_at([1.0, 2.0], [1.0], 1)
@@ -85,6 +98,21 @@ def test_a_key_is_set_at_the_frame_that_is_shown(tmp_path, python_path):
         browser.send(type="frame", number=20, done=True)  # behind the last key
         browser.until_exact()
         assert browser.state["frames"] == list(range(1, 21))
+    finally:
+        browser.close()
+        viewer.close()
+
+
+def test_frames_between_keys_are_played(tmp_path, python_path):
+    path = tmp_path / "keyed.toml"
+    path.write_text(KEYED)
+    viewer = Viewer(path, python_path)
+    browser = viewer.browser()
+    try:
+        browser.until_exact()
+        browser.send(type="play", on=True)
+        played = [browser.until(lambda m: m["type"] == "frame")["number"] for _ in range(10)]
+        assert played[1:] == [(played[0] - 1 + step) % 9 + 1 for step in range(1, 10)]
     finally:
         browser.close()
         viewer.close()

@@ -69,7 +69,27 @@ def _change(document: dict, place: Place, value: object) -> None:
         table.pop(key, None)
     elif table.get(key) != value:
         is_text = isinstance(document, tomlkit.TOMLDocument)
-        table[key] = _written(value, table.get(key)) if is_text else copy.deepcopy(value)
+        if is_text and _holds_lists(table.get(key)) and _holds_lists(value):
+            _change_items(table[key], value)
+        else:
+            table[key] = _written(value, table.get(key)) if is_text else copy.deepcopy(value)
+
+
+def _holds_lists(value: object) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(one, list) for one in value)
+
+
+def _change_items(items: Array, value: list) -> None:
+    """Changes a list of lists, such as keys, in place: what stays keeps its spelling and its comments."""
+    for index, one in enumerate(value):
+        if index < len(items) and items[index] == one:
+            continue
+        if index < len(items) and len(items) >= len(value):
+            items[index] = one
+        else:
+            items.insert(index, one)
+    while len(items) > len(value):
+        items.pop()
 
 
 def _change_list(document: dict, tables: list, index: int, value: object) -> None:
