@@ -37,7 +37,8 @@ from ._pictures import Texture
 from ._session import Session
 
 _PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
-_PARTS = ("code", "curves", "handles", "looks", "page", "panel", "picture", "shaders", "steer", "values", "verified")
+_PARTS = ("code", "curves", "handles", "looks", "page", "panel", "picture", "places", "shaders", "steer", "values",
+          "verified")  # fmt: skip
 _FILES = {
     "": ("index.html", "text/html; charset=utf-8"),
     **{f"{name}.js": (f"{name}.js", "text/javascript; charset=utf-8") for name in _PARTS},

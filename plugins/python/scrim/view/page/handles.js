@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lights in the picture: a button for each, which is dragged to where the light shall be, or moved by arrow keys.
 
-import { placeOf } from "./steer.js";
+import { layOver, placeOf } from "./places.js";
 
 const STEP = 0.01; // of an arrow key
 
@@ -46,10 +46,9 @@ export class Handles {
 
     /** Lies over the canvas. */
     fit() {
-        const { offsetLeft, offsetTop, offsetWidth, offsetHeight } = this.canvas;
-        Object.assign(this, { width: offsetWidth, height: offsetHeight });
+        Object.assign(this, { width: this.canvas.offsetWidth, height: this.canvas.offsetHeight });
         for (const [light, { x, y }] of this.buttons) this.#put(light, x, y);
-        Object.assign(this.root.style, { left: `${offsetLeft}px`, top: `${offsetTop}px`, width: `${offsetWidth}px`, height: `${offsetHeight}px` });
+        layOver(this.root, this.canvas);
     }
 
     #put(light, x, y) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Other ways to look at the picture: false colours, all layers side by side, and how bright its pixels are.
 
+import { layOver } from "./places.js";
 import { element, short } from "./values.js";
 
 const STOPS = [-12, 8]; // of the histogram, from 1
@@ -42,7 +43,7 @@ export class Looks {
             picture.sheet = names;
             this.redraw();
         }
-        Object.assign(root.style, { left: `${canvas.offsetLeft}px`, top: `${canvas.offsetTop}px`, width: `${canvas.offsetWidth}px`, height: `${canvas.offsetHeight}px` });
+        layOver(root, canvas);
         root.style.setProperty("--columns", Math.ceil(Math.sqrt(names.length)));
         if (String([...root.children].map((tile) => tile.textContent)) !== String(names)) {
             root.replaceChildren(...names.map((name) => this.#tile(name)));

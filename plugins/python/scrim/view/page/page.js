@@ -6,7 +6,8 @@ import { Looks } from "./looks.js";
 import { Panel } from "./panel.js";
 import { Picture } from "./picture.js";
 import { Verified } from "./verified.js";
-import { drawBox, pickPlace, placeOf, showBox, steer } from "./steer.js";
+import { layOver, placeOf } from "./places.js";
+import { drawBox, pickPlace, showBox, steer } from "./steer.js";
 
 const RETRY_MS = 500; // until a lost connection is tried again
 const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare", l: "layers", h: "lights", r: "region", d: "focus", n: "error-next", " ": "play" };
@@ -258,9 +259,8 @@ function resize() {
 function placeGate() {
     const gate = by("gate");
     gate.hidden = !by("aspect").value;
-    const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = canvas;
-    Object.assign(gate.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
-    const across = Math.min(width, height * by("aspect").value);
+    layOver(gate, canvas);
+    const across = Math.min(canvas.offsetWidth, canvas.offsetHeight * by("aspect").value);
     Object.assign(gate.firstElementChild.style, { width: `${across}px`, height: `${across / by("aspect").value}px` });
 }
 

@@ -4,18 +4,14 @@
 // Plain and Alt drags are as in Maya and Houdini: left orbits, middle pans, right dollies; Shift and Ctrl choose for one
 // button. A Shift-click that does not move is no pan: it points at a place.
 
+import { layOver, placeOf } from "./places.js";
+
 const NEAR = 3; // pixels that a click may move
 const WHEEL = 0.08;
 
 function modeOf(event) {
     if (event.button === 1 || event.shiftKey) return "pan";
     return event.button === 2 || event.ctrlKey ? "dolly" : "orbit";
-}
-
-/** Where an event is, in parts of the canvas. */
-export function placeOf(canvas, event) {
-    const { left, top, width, height } = canvas.getBoundingClientRect();
-    return [(event.clientX - left) / width, (event.clientY - top) / height];
 }
 
 /** A box that is drawn over the canvas with the next drag: `done` hears its sides in parts of the canvas. */
@@ -52,10 +48,7 @@ export function pickPlace(canvas, done) {
 
 export function showBox(canvas, box, sides) {
     box.hidden = !sides;
-    if (!sides) return;
-    const [x0, y0, x1, y1] = sides;
-    const { offsetLeft, offsetTop, offsetWidth, offsetHeight } = canvas;
-    Object.assign(box.style, { left: `${offsetLeft + x0 * offsetWidth}px`, top: `${offsetTop + y0 * offsetHeight}px`, width: `${(x1 - x0) * offsetWidth}px`, height: `${(y1 - y0) * offsetHeight}px` });
+    if (sides) layOver(box, canvas, sides);
 }
 
 /** `send(message)`; `hover(event)`: the mouse moves without a button; `point(x, y)`: a part of the canvas was meant. */
@@ -90,8 +83,7 @@ export function steer(canvas, send, hover, point) {
         flush();
         drag = null;
         if (!points) return send({ type: "rest" });
-        const box = canvas.getBoundingClientRect();
-        point((from[0] - box.left) / box.width, (from[1] - box.top) / box.height);
+        point(...placeOf(canvas, { clientX: from[0], clientY: from[1] }));
     };
     canvas.addEventListener("pointerup", drop);
     canvas.addEventListener("pointercancel", drop);

@@ -2,6 +2,7 @@
 // The pixels that were compared with brute force, over the picture: each in the colour of its error, the means of the
 // errors of regions, and the values of the pixel under the pointer.
 
+import { layOver } from "./places.js";
 import { short } from "./values.js";
 
 const MOST = 4; // times the promise, at the end of the colours, which begin at a quarter of it
@@ -53,9 +54,8 @@ export class Verified {
         const canvas = this.by("errors");
         canvas.hidden = this.by("verified").hidden = !this.#isOn;
         if (!this.#isOn) return;
-        const { offsetLeft, offsetTop, offsetWidth, offsetHeight } = this.picture;
-        Object.assign(canvas.style, { left: `${offsetLeft}px`, top: `${offsetTop}px`, width: `${offsetWidth}px`, height: `${offsetHeight}px` });
-        [canvas.width, canvas.height] = [offsetWidth, offsetHeight].map((side) => Math.round(side * devicePixelRatio));
+        layOver(canvas, this.picture);
+        [canvas.width, canvas.height] = [this.picture.offsetWidth, this.picture.offsetHeight].map((side) => Math.round(side * devicePixelRatio));
         const context = canvas.getContext("2d");
         context.scale(devicePixelRatio, devicePixelRatio);
         if (this.by("error-regions").checked) this.#drawRegions(context);
