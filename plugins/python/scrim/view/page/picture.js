@@ -22,6 +22,7 @@ const MOST_DIVISOR = 4;
 // pixel of the draft is wide, and two more for its dials; and the most.
 const TURN = (4 * Math.PI) / 180;
 const MOST_TURN = (45 * Math.PI) / 180;
+const BORDERS = 4; // divides the pixels of a draft of which only the borders are seen
 // What is shown in false colours: a channel of a slot, or 1 less it; `hole` is shown black.
 const FALSE = {
     depth: { slot: "depth", pick: [1, 0, 0, 0], shift: 0, hole: 0 },
@@ -153,7 +154,7 @@ export class Picture {
     draw(isQuick = false) {
         if (!this.isReady) return;
         if (this.sheet) return this.#drawSheet();
-        const moves = this.isWarped || this.sharp.camera;
+        const moves = this.isWarped || (this.sharp.camera && this.#trust() > 0);
         if (moves && this.look === "picture" && this.#turnFrom(this.camera) < MOST_TURN) return this.#drawWarped();
         const isFalse = FALSE[this.look] && this.#slot(FALSE[this.look].slot);
         const parts = isFalse ? [[this.#slot(FALSE[this.look].slot), [1, 1, 1, 1]]] : this.#fewParts(this.#parts());
@@ -182,15 +183,18 @@ export class Picture {
         gl.clearColor(0, 0, 0, 1);
         gl.clear(gl.COLOR_BUFFER_BIT);
         if (this.#slot("plate")) this.#show([[this.nothing, [0, 0, 0, 0]]], this.#over, [0, 0, ...this.full]);
+        const trust = sharp.camera ? this.#trust() : 0;
         if (sharp.camera !== this.camera) {
-            this.#showInto(this.draft, this.#fewParts(this.#parts()), this.size.map((side, i) => Math.min(side, this.full[i])));
+            const divisor = trust === 1 ? BORDERS : 1;
+            const size = this.size.map((side, i) => Math.ceil(Math.min(side, this.full[i]) / divisor));
+            this.#showInto(this.draft, this.#fewParts(this.#parts()), size);
             this.#warp(this.draft, this.camera, this.slots.depth, 1);
         }
-        if (sharp.camera && this.#trust() > 0) {
+        if (trust > 0) {
             const look = `${this.exposure} ${this.gamma} ${this.tables}`;
             if (sharp.look !== look) this.#showInto(sharp.shown, [[sharp, [1, 1, 1, 1]]], [sharp.width, sharp.height]);
             sharp.look = look;
-            this.#warp(sharp.shown, sharp.camera, sharp.ahead, this.#trust());
+            this.#warp(sharp.shown, sharp.camera, sharp.ahead, trust);
         }
         if (!this.wipe || !this.snapshot.width) return;
         gl.enable(gl.SCISSOR_TEST);
