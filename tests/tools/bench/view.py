@@ -19,6 +19,13 @@ from viewer import chromium_of, viewer_of  # noqa: E402
 
 PATIENCE = 300_000  # milliseconds
 EVENTS = 60
+# The sum of the differences of neighbouring pixels.
+DETAIL = """() => {
+    const pixels = scrim.readPixels();
+    let sum = 0;
+    for (let i = 4; i < pixels.length; ++i) sum += Math.abs(pixels[i] - pixels[i - 4]);
+    return sum;
+}"""
 
 
 def described(name, times, seconds):
@@ -47,6 +54,19 @@ def drag(page, start, steps, kind):
     return times, seconds
 
 
+def detail_of_turn(page, start, degrees):
+    """The detail of the picture that is shown during a turn, over that of the finished one."""
+    height = page.locator("#picture").bounding_box()["height"]
+    page.mouse.move(*start)
+    page.mouse.down()
+    for number in range(1, EVENTS + 1):
+        page.mouse.move(start[0] + degrees / 180 * height * number / EVENTS, start[1])
+    moving = page.evaluate(DETAIL)
+    page.mouse.up()
+    exact(page)
+    return moving / page.evaluate(DETAIL)
+
+
 def exact(page):
     """Waits for the picture of the scene's file, and for the layers behind it."""
     done = "scrim.isSettled && document.body.dataset.stage === 'exact' && document.body.dataset.layers"
@@ -68,6 +88,8 @@ def measure(page, url, began):
                            timeout=PATIENCE)  # fmt: skip
     print(f"{'at rest, as the scene asks':<28} {time.monotonic() - began:.2f} s after the mouse was let go")
     exact(page)
+    for degrees in (3, 7, 15, 30):
+        print(f"{f'a turn by {degrees} degrees':<28} {100 * detail_of_turn(page, middle, degrees):.0f} % of the detail")
     slider = page.locator("input[type=range]").first.bounding_box()
     start = (slider["x"] + slider["width"] / 2, slider["y"] + slider["height"] / 2)
     print(described("intensity of a light", *drag(page, start, (0.5, 0), "weights")))
