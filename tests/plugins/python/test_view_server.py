@@ -395,6 +395,7 @@ def test_an_asset_is_framed_and_saved_as_a_scene_beside_it(tmp_path, program, py
     assert browser.until_exact().shape == (48, 64, 4)
     far = browser.pictures["beauty"][..., 3].mean()
     browser.send(type="navigate", mode="dolly", dx=0, dy=1.0)
+    browser.until_exact()
     browser.send(type="view", to="frame")
     near = browser.until_exact()[..., 3].mean()
     assert near == pytest.approx(far, rel=0.5)  # it fills about as much as the asset's own framing
