@@ -118,7 +118,9 @@ void ShotFrame::writeDeep(const std::string& path, const MessageSink& messages) 
     report.peakBytes = peakResidentBytes();
 }
 
-Image ShotFrame::backplate() const { return backplateOf(*m_content); }
+Image ShotFrame::backplate() const {
+    return backplateOf(*m_content);
+}
 
 void ShotFrame::preview(const std::string& path) {
     ShotReport& report = m_content->report;

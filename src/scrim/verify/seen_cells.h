@@ -15,8 +15,8 @@ struct SeenCells {
     double share = 0;       ///< the light on the finer cells
 };
 
-/// Looks along 64 rays that meet something. `beside`: the lights that are not on cells, as points and suns. Both members
-/// are 0 where nothing is seen.
+/// Looks along 64 rays that meet something. `beside`: the lights that are not on cells, as points and suns. Both
+/// members of the result are 0 where nothing is seen.
 SeenCells seenCells(const ViewScene& scene, const std::vector<Light>& beside, const std::vector<CellLight>& fine,
                     const std::vector<CellLight>& other);
 
