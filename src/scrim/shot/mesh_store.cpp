@@ -58,9 +58,9 @@ std::shared_ptr<const Solids> solidsOf(const Scene& scene) {
         const Light& light = scene.lights[i];
         const Light::Area* area = light.area();
         if (!light.visible || area == nullptr) continue;
-        const auto own = std::ranges::find(solids, area->mesh, &Solid::name);
-        Solid& solid = area->shape == AreaShape::mesh && own != solids.end() ? *own : solids.emplace_back();
-        if (area->shape != AreaShape::mesh) solid.name = light.name, solid.shadows = false;
+        const auto mesh = std::ranges::find(solids, area->mesh, &Solid::name);
+        const bool isMesh = area->shape == AreaShape::mesh && mesh != solids.end();
+        Solid& solid = isMesh ? *mesh : solids.emplace_back(Solid{.name = light.name, .mesh = {}, .shadows = false});
         solid.mesh = std::make_shared<const TriangleMesh>(surfaceOf(light));
         solid.wsFromMesh = Mat4(1);
         solid.holdout = true;

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -134,22 +133,18 @@ double leastHeight(const Mat4& wsFromIs) {
 // The blocks of a field as tasks in eight rounds: cubes of 2^shift blocks an edge. Between two cubes of a round lies at
 // least one other.
 std::array<std::vector<std::vector<std::size_t>>, 8> roundsOf(const SparseField& field, int shift) {
-    std::vector<std::tuple<int, int, int, std::size_t>> byCube;  // z, y, x and a block
+    std::vector<std::pair<std::array<int, 3>, std::size_t>> byCube;  // z, y and x of the cube, and a block
     for (std::size_t b = 0; b < field.blockCount(); ++b) {
         const Int3 at = field.blockOrigins[b] / kBlockEdge;
-        byCube.emplace_back(at.z >> shift, at.y >> shift, at.x >> shift, b);
+        byCube.push_back({{at.z >> shift, at.y >> shift, at.x >> shift}, b});
     }
     if (shift > 0) std::ranges::sort(byCube);
     std::array<std::vector<std::vector<std::size_t>>, 8> rounds;
-    const std::tuple<int, int, int, std::size_t>* last = nullptr;
-    for (const auto& own : byCube) {
-        const auto& [z, y, x, b] = own;
-        auto& round = rounds[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))];
-        if (last == nullptr ||
-            std::tuple(z, y, x) != std::tuple(std::get<0>(*last), std::get<1>(*last), std::get<2>(*last)))
-            round.emplace_back();
-        round.back().push_back(b);
-        last = &own;
+    for (std::size_t i = 0; i < byCube.size(); ++i) {
+        const auto& [cube, block] = byCube[i];
+        auto& round = rounds[std::size_t((cube[2] & 1) + 2 * (cube[1] & 1) + 4 * (cube[0] & 1))];
+        if (i == 0 || cube != byCube[i - 1].first) round.emplace_back();
+        round.back().push_back(block);
     }
     return rounds;
 }
@@ -158,7 +153,7 @@ std::array<std::vector<std::vector<std::size_t>>, 8> roundsOf(const SparseField&
 // cells if they are large enough, so every other cube can be processed in parallel, in eight rounds. The sums do not
 // depend on the thread that adds them.
 void add(const CellGrid& grid, const Deposit& deposit, Simd simd) {
-    constexpr int kMostShift = 6;
+    constexpr int kMostShift = 24;  // one cube on each side of the origin
     const SparseField& field = *deposit.field;
     const Vec3 half = halfVoxel(deposit.wsFromIs);
     const BoxDeposit into(grid, deposit);
@@ -168,17 +163,13 @@ void add(const CellGrid& grid, const Deposit& deposit, Simd simd) {
     const double height = leastHeight(deposit.wsFromIs);
     int shift = 0;
     while (shift < kMostShift && height * ((kBlockEdge << shift) + 1) <= 2 * reach) ++shift;
-    const bool apart = shift < kMostShift;
     const Mat3 axes(deposit.wsFromIs);
     const bool straight = !deposit.classified && axes == Mat3(axes[0].x, 0, 0, 0, axes[1].y, 0, 0, 0, axes[2].z);
     const auto addBlock = [&](std::size_t block) {
         straight ? into.addBlock(block, half, simd) : depositBlock(into, deposit, block, half);
     };
-    if (apart)
-        for (const auto& round : roundsOf(field, shift))
-            parallelFor(round.size(), [&](std::size_t i) { std::ranges::for_each(round[i], addBlock); });
-    else
-        for (std::size_t b = 0; b < field.blockCount(); ++b) addBlock(b);
+    for (const auto& round : roundsOf(field, shift))
+        parallelFor(round.size(), [&](std::size_t i) { std::ranges::for_each(round[i], addBlock); });
     for (const ConstantTile& tile : field.tiles) depositTile(grid, into, deposit, tile, half);
 }
 

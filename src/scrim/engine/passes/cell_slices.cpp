@@ -123,18 +123,13 @@ std::tuple<double, Vec3, Mat3> CellSlices::seriesOf(const Light& light, const Bo
 
 template <class Visit>
 void CellSlices::visitRows(const CellGrid& grid, const Visit& visit) const {
-    constexpr std::size_t kTogether = 32;  // blocks of a task
-    const std::vector<Int3>& blocks = grid.storedBlocks();
-    const auto visitBlock = [&](std::size_t b) {
-        const Int3 first = blocks[b] * kCellEdge + firstOf(grid);
+    parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {
+        const Int3 first = grid.storedBlocks()[b] * kCellEdge + firstOf(grid);
         for (int k = 0; k < kCellEdge; ++k)
             for (int j = 0; j < kCellEdge; ++j)
                 visit(paddedRow(first[axes[1]] + j, first[axes[2]] + k), first[axes[0]],
                       b * kBlockCells + std::size_t(j) * strideOf(axes[1]) + std::size_t(k) * strideOf(axes[2]),
                       strideOf(axes[0]));
-    };
-    parallelFor((blocks.size() + kTogether - 1) / kTogether, [&](std::size_t task) {
-        for (std::size_t b = task * kTogether; b < std::min(blocks.size(), (task + 1) * kTogether); ++b) visitBlock(b);
     });
 }
 

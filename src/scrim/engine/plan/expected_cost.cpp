@@ -33,8 +33,8 @@ std::string timeText(double seconds) {
 }  // namespace
 
 double cellLightSeconds(const ViewScene& scene, const CellLightPlan& plan) {
-    // For each byte of their cells, plumes under a sky, and scans of 8 and 16 million voxels,
-    // took 4 to 8 ns and 0.05 to 0.1 ns more for each direction or point that stands for a light.
+    // For each byte of their cells, plumes under a sky, and scans of 8 and 16 million voxels, took 4 to 8 ns and 0.05
+    // to 0.1 ns more for each direction or point that stands for a light.
     constexpr double kByte = 4e-9, kByteDirection = 5e-11;
     double directions = 0;
     for (const int i : plan.lights) directions += subLightCount(scene, scene.lights[std::size_t(i)]);
