@@ -74,48 +74,48 @@ def test_value_at_refuses_keys_that_do_not_fit():
         scrim._scrim.value_at([1.0, 2.0], [1.0], 1)
 
 
-def test_a_key_is_set_at_the_frame_that_is_shown(tmp_path, python_path):
+@pytest.fixture
+def keyed(tmp_path, python_path):
+    """A browser that shows KEYED, and the path of its scene."""
     path = tmp_path / "keyed.toml"
     path.write_text(KEYED)
     viewer = Viewer(path, python_path)
     browser = viewer.browser()
     try:
-        browser.until_layers()
-        assert browser.state["frames"] == list(range(1, 10))  # the file has no sequence, but keys
-        browser.send(type="frame", number=7, done=True)
-        before = browser.until_layers()
-        shown = {c["id"]: c for g in browser.state["groups"] for c in g["controls"]}["light.key.intensity"]
-        assert (shown["value"], shown["key"], shown["fixed"]) == (pytest.approx(5.5), "between", False)
-        browser.send(type="set", id="light.key.intensity", value=11.0, done=True)
-        after = browser.until_exact()
-        assert after[..., :3].mean() > 1.3 * before[..., :3].mean()
-        shown = {c["id"]: c for g in browser.state["groups"] for c in g["controls"]}["light.key.intensity"]
-        assert (shown["value"], shown["key"]) == (11.0, "here")
-        browser.send(type="save")
-        browser.until(lambda m: m["type"] == "state" and not m["changed"])
-        assert "[7, 11.0], [9, 3.0]] }   # beats" in path.read_text()
-        assert numpy.array_equal(scrim.open(path).render(7).image.astype(numpy.float16), after)
-        browser.send(type="frame", number=20, done=True)  # behind the last key
-        browser.until_exact()
-        assert browser.state["frames"] == list(range(1, 21))
+        yield browser, path
     finally:
         browser.close()
         viewer.close()
 
 
-def test_frames_between_keys_are_played(tmp_path, python_path):
-    path = tmp_path / "keyed.toml"
-    path.write_text(KEYED)
-    viewer = Viewer(path, python_path)
-    browser = viewer.browser()
-    try:
-        browser.until_exact()
-        browser.send(type="play", on=True)
-        played = [browser.until(lambda m: m["type"] == "frame")["number"] for _ in range(10)]
-        assert played[1:] == [(played[0] - 1 + step) % 9 + 1 for step in range(1, 10)]
-    finally:
-        browser.close()
-        viewer.close()
+def test_a_key_is_set_at_the_frame_that_is_shown(keyed):
+    browser, path = keyed
+    browser.until_layers()
+    assert browser.state["frames"] == list(range(1, 10))  # the file has no sequence, but keys
+    browser.send(type="frame", number=7, done=True)
+    before = browser.until_layers()
+    shown = {c["id"]: c for g in browser.state["groups"] for c in g["controls"]}["light.key.intensity"]
+    assert (shown["value"], shown["key"], shown["fixed"]) == (pytest.approx(5.5), "between", False)
+    browser.send(type="set", id="light.key.intensity", value=11.0, done=True)
+    after = browser.until_exact()
+    assert after[..., :3].mean() > 1.3 * before[..., :3].mean()
+    shown = {c["id"]: c for g in browser.state["groups"] for c in g["controls"]}["light.key.intensity"]
+    assert (shown["value"], shown["key"]) == (11.0, "here")
+    browser.send(type="save")
+    browser.until(lambda m: m["type"] == "state" and not m["changed"])
+    assert "[7, 11.0], [9, 3.0]] }   # beats" in path.read_text()
+    assert numpy.array_equal(scrim.open(path).render(7).image.astype(numpy.float16), after)
+    browser.send(type="frame", number=20, done=True)  # behind the last key
+    browser.until_exact()
+    assert browser.state["frames"] == list(range(1, 21))
+
+
+def test_frames_between_keys_are_played(keyed):
+    browser, _ = keyed
+    browser.until_exact()
+    browser.send(type="play", on=True)
+    played = [browser.until(lambda m: m["type"] == "frame")["number"] for _ in range(10)]
+    assert played[1:] == [(played[0] - 1 + step) % 9 + 1 for step in range(1, 10)]
 
 
 # ---- phase functions

@@ -28,8 +28,8 @@ class Placing:
 
     def _on_remove(self, message: Mapping) -> None:
         """A light goes."""
-        name, lights = message.get("light"), self.document.data.get("light", [])
-        index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
+        name = message.get("light")
+        index = _number_of(name, self.document.data)
         if index is None:
             raise UsageError(f"the scene has no light {name!r}")
         muted, self._muted = self._muted, self._muted - {f"light.{name}"}
@@ -63,11 +63,17 @@ class Placing:
         return _keys.at(self.document.data, self.frame)
 
     def _light(self, message: Mapping) -> tuple[int, float, float]:
-        name, lights = message.get("light"), self._scene_now().get("light", [])
-        index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
-        if index is None or not _handles.has_handle(lights[index]):
+        name, scene = message.get("light"), self._scene_now()
+        index = _number_of(name, scene)
+        if index is None or not _handles.has_handle(scene["light"][index]):
             raise UsageError(f"the scene has no light {name!r} that can be placed in the picture")
         return index, _messages.number(message.get("x")), _messages.number(message.get("y"))
 
     def _seen_from(self) -> _handles.View:
         return _handles.View(self._viewpoint.pose, self._viewpoint.shift)
+
+
+def _number_of(name: object, scene: Mapping) -> int | None:
+    """The place of a light among those of a scene; None where it is not there."""
+    lights = scene.get("light", [])
+    return next((i for i, light in enumerate(lights) if name_of("light", i, light) == name), None)
