@@ -78,6 +78,7 @@ Depths bundleDepths(const CellMedia& media, const Vec3& ws, const Vec3& directio
     CellsOfSlice cells(grid, axis);
     Depths out;
     Rgb variance(0);  // of tau across the bundle
+    double most = kMostDepth;  // beyond the first slice, which may be thicker alone
     double begin = 0, end = up ? std::floor(from[axis]) + 1 - from[axis] : from[axis] - std::ceil(from[axis]) + 1;
     for (int slice = static_cast<int>(up ? std::floor(from[axis]) : std::ceil(from[axis]) - 1);
          begin < length && (up ? slice < size : slice >= 0); slice += up ? 1 : -1, begin = end, end += 1) {
@@ -97,7 +98,9 @@ Depths bundleDepths(const CellMedia& media, const Vec3& ws, const Vec3& directio
         mean = glm::max(mean, Rgb(0));  // the cubic goes below 0 beside steep edges
         out.tau += mean;
         variance += glm::max(squares - mean * mean, Rgb(0));
-        if ((grey ? out.tau.x : smallest(out.tau)) > kMostDepth) break;
+        const double depth = grey ? out.tau.x : smallest(out.tau);
+        if (begin == 0) most += depth;
+        if (depth > most) break;
     }
     // Thin parts of the bundle let more light pass than thick ones take from it. Slices are taken for independent, so
     // that depths have about a gamma distribution of this mean and variance; its mean of e^-depth is known.

@@ -32,11 +32,10 @@ constexpr double kNearest = 0.36;
 // and 0.3 % (2.5 edges: the same), which is what cells cannot resolve of the light of further collisions.
 constexpr double kNear = 1.5;
 
-// The ratio of the mean of light over a path of optical depth t to its value at the path's middle: sinh(t / 2) / (t /
-// 2).
-double meanOverCell(double t) {
-    const double half = 0.5 * std::min(t, 2 * kMostDepth);
-    return half < 1e-4 ? 1 : std::sinh(half) / half;
+// The mean transmittance over a path of optical depth `own`, whose middle lies at `middle`. A bundle of rays that grazes
+// a dense cell may lie at less than a half of the cell's own depth: nothing is brighter than where light enters.
+double meanOverCell(double middle, double own) {
+    return std::exp(-std::max(middle - 0.5 * own, 0.0)) * (own < 1e-6 ? 1 : -std::expm1(-own) / own);
 }
 
 // The light of a light that arrives in a cell; light that scattered straight on is part of the irradiance.
@@ -154,7 +153,7 @@ ArrivingInCell FirstCollisions::at(std::size_t cell) const {
         Depths depths = bundleDepths(media, ws, toLight, out.distance);
         if (const std::size_t of = &media == &m_media ? 0 : 1; m_beyond[of]) depths += m_beyond[of]->at(cell);
         for (int c = 0; c < 3; ++c)
-            irradiance[c] *= std::exp(-depths.tau[c]) * meanOverCell(chord * media.extinctionOf(std::size_t(c))[cell]);
+            irradiance[c] *= meanOverCell(depths.tau[c], chord * double(media.extinctionOf(std::size_t(c))[cell]));
         return depths.straight;
     };
     out.straightDepth = attenuate(m_last, out.last);
