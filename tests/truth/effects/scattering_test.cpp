@@ -240,6 +240,29 @@ TEST(MultipleScattering, ConvergesWithTheCells) {
     EXPECT_LT(errors[1], 0.5 * errors[0]) << errors[0] << " " << errors[1];
 }
 
+// A sun that grazes an opaque block: a bundle of rays to it starts beside the block and in it. Cells of 1, 2 and 4
+// voxels are within 3 % of those of a half voxel (they were up to 1e5 times too bright).
+TEST(MultipleScattering, BesideAnOpaqueBlockIsNoBrighterWithLargerCells) {
+    const auto sum = [](double cell, double sigma) {
+        ViewScene scene = orthographicScene(boxField({-2, -8, -8}, {5, -1, -1}), scatteringMedium(0.1, 0.7), 24, 24);
+        scene.volumes.push_back(scene.volumes[0]);
+        scene.volumes[1].field = boxField({-8, -8, -8}, {-1, -1, -1});
+        scene.volumes[1].medium = scatteringMedium(sigma, 0.5);
+        scene.volumes[1].medium.scattering = Scattering::single;
+        scene.lights = {distantLight(glm::normalize(Vec3(-1, 0, -0.5)))};
+        scene.dials.scatterCell = cell;
+        const Frame frame = renderScene(scene);
+        double all = 0;
+        for (std::size_t i = 0; i < frame.image.rgba.size(); i += 4) all += double(frame.image.rgba[i]);
+        return all;
+    };
+    for (const double sigma : {100.0, 1e5, 1e13}) {
+        const double fine = sum(0.5, sigma);
+        for (const double cell : {1.0, 2.0, 4.0})
+            EXPECT_NEAR(sum(cell, sigma), fine, 0.04 * fine) << cell << " " << sigma;
+    }
+}
+
 void fillSource(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                 const Ordinates& set, TransportSolver& solver) {
     const FirstLight first(scene, planTransport(scene).targets.front(), 0, {media, media, classes, false}, solver);
