@@ -46,16 +46,15 @@ ShadeWork shadeBatch(const SheetShader& shader, const EyeView& eye, const PixelT
         const int p = static_cast<int>(task) / tilesY, ty = static_cast<int>(task) % tilesY;
         const int sheet = firstSheet + p;
         std::vector<Real> out(std::size_t(floats) * kTileSize);
-        for (int tx = 0; tx < shaded.tilesX(); ++tx) {
-            if (!covered.active(p, tx, ty)) continue;
+        covered.forActive(p, ty, [&](int tx) {
             const auto seen = eye.seenBy(texelsAround({tx, ty, tx + 1, ty + 1}), sheet + 0.5);
-            if (seen && !tiles.anyOpen(*seen)) continue;
+            if (seen && !tiles.anyOpen(*seen)) return;
             work[task] += shader.shadeTexels(p, sheet, tx, ty, out.data());
             shaded.replace(p, tx, ty);
             Real* row = shaded.tile(p, tx, ty);
             for (int y = 0; y < kTileEdge; ++y, row += shaded.rowStride())
                 std::copy_n(out.data() + y * kTileEdge * floats, kTileEdge * floats, row);
-        }
+        });
         shaded.finishRow(p, ty);
     });
     ShadeWork sum;

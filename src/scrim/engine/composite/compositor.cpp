@@ -41,6 +41,17 @@ struct Compositor::Range {
     int firstPlane, lastPlane;  // [firstPlane, lastPlane)
 };
 
+// Tiles of the picture that may see something of a range.
+struct Compositor::SeeingTiles {
+    Box2<int> box;
+    std::vector<std::uint8_t> marked{};  // for each tile of the box; empty: all of them may
+
+    bool contains(int tx, int ty) const {
+        return box.contains(tx, ty) &&
+               (marked.empty() || marked[std::size_t((ty - box.y0) * box.width() + tx - box.x0)] != 0);
+    }
+};
+
 // A tile's rays, and the planes that they meet in a batch.
 struct Compositor::TileWalk {
     RayTile rays;
@@ -313,24 +324,49 @@ void Compositor::markIfOpaque(int tile, int blockEnd) {
     m_tiles.setOpaque(tile);
 }
 
-// The tiles of the picture that may see an active texel of the range. Most tiles see none, and should cost nothing.
-Box2<int> Compositor::tilesThatSee(const Range& range, const PlaneStack& planes) const {
-    Box2<double> seen = Box2<double>::nothing();
-    for (int p = range.firstPlane; p < range.lastPlane; ++p) {
-        const Box2<int> active = planes.activeBounds(p);
-        if (active.empty()) continue;
-        const auto box = m_eye.seenBy(texelsAround(active), range.sheet + p - range.firstPlane + 0.5);
-        if (!box) return m_tiles.all();
-        seen.include(*box);
-    }
-    return seen.empty() ? Box2<int>{} : m_tiles.tilesIn(seen);
+Compositor::SeeingTiles Compositor::all() const {
+    return {m_tiles.all()};
 }
 
-template <class BoxOf, class Walk>
-RenderWork Compositor::forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk) {
+// The tiles of the picture that may see an active texel of the range. Most tiles see none, and should cost nothing.
+Compositor::SeeingTiles Compositor::tilesThatSee(const Range& range, const PlaneStack& planes) const {
+    Box2<double> seen = Box2<double>::nothing();
+    int active = 0;
+    for (int p = range.firstPlane; p < range.lastPlane; ++p) {
+        const Box2<int> bounds = planes.activeBounds(p);
+        if (bounds.empty()) continue;
+        const auto box = m_eye.seenBy(texelsAround(bounds), range.sheet + p - range.firstPlane + 0.5);
+        if (!box) return all();
+        seen.include(*box);
+        active += planes.activeCount(p);
+    }
+    SeeingTiles seeing{seen.empty() ? Box2<int>{} : m_tiles.tilesIn(seen)};
+    constexpr int kFewer = 8;  // finding who sees an active tile takes as long as entering a few that see none
+    if (std::int64_t(active) * kFewer < std::int64_t(seeing.box.pixelCount())) markSeeing(range, planes, seeing);
+    return seeing;
+}
+
+// Looks from each active tile.
+void Compositor::markSeeing(const Range& range, const PlaneStack& planes, SeeingTiles& seeing) const {
+    const Box2<int>& all = seeing.box;
+    seeing.marked.assign(all.pixelCount(), 0);
+    for (int p = range.firstPlane; p < range.lastPlane; ++p)
+        for (int ty = 0; ty < planes.tilesY(); ++ty)
+            planes.forActive(p, ty, [&](int tx) {
+                const double middle = range.sheet + p - range.firstPlane + 0.5;
+                const auto seen = m_eye.seenBy(texelsAround({tx, ty, tx + 1, ty + 1}), middle);
+                const Box2<int> by = seen ? intersection(m_tiles.tilesIn(*seen), all) : all;
+                for (int y = by.y0; y < by.y1; ++y)
+                    for (int x = by.x0; x < by.x1; ++x)
+                        seeing.marked[std::size_t((y - all.y0) * all.width() + x - all.x0)] = 1;
+            });
+}
+
+template <class TilesOf, class Walk>
+RenderWork Compositor::forOpenTiles(int firstSheet, int count, const TilesOf& tilesOf, const Walk& walk) {
     struct Part {
         Range range;
-        Box2<int> box;
+        SeeingTiles tiles;
         bool endsBlock;
     };
     std::vector<Part> parts;
@@ -338,7 +374,7 @@ RenderWork Compositor::forOpenTiles(int firstSheet, int count, const BoxOf& boxO
         const int sheet = firstSheet + p, blockEnd = blockBegin(sheet) + kBlock;
         const int last = std::min(count, p + blockEnd - sheet);
         const Range range{sheet, p, last};
-        parts.push_back({range, boxOf(range), firstSheet + last == blockEnd});
+        parts.push_back({range, tilesOf(range), firstSheet + last == blockEnd});
         p = last;
     }
     std::vector<RenderWork> walked(std::size_t(m_tiles.tilesY()));
@@ -348,7 +384,7 @@ RenderWork Compositor::forOpenTiles(int firstSheet, int count, const BoxOf& boxO
             const int tile = ty * m_tiles.tilesX() + tx;
             for (const Part& part : parts) {
                 if (m_tiles.opaque(tile)) break;
-                if (part.box.contains(tx, ty)) walked[row] += walk(tile, part.range);
+                if (part.tiles.contains(tx, ty)) walked[row] += walk(tile, part.range);
                 if (part.endsBlock) markIfOpaque(tile, blockBegin(part.range.sheet) + kBlock);
             }
         }
@@ -373,7 +409,7 @@ RenderWork Compositor::throughPixels(int firstSheet, int count, const PlaneStack
 RenderWork Compositor::throughCells(int firstSheet, int count, const PlaneStack& covered, int guardTiles,
                                     const SheetShader& shader) {
     return forOpenTiles(
-        firstSheet, count, [&](const Range&) { return m_tiles.all(); },
+        firstSheet, count, [&](const Range&) { return all(); },
         [&](int tile, const Range& range) {
             const Int2 cells(tile % m_tiles.tilesX() + guardTiles, tile / m_tiles.tilesX() + guardTiles);
             return shadeAlong(enterCells(tile, range, covered, cells), tile, shader,
@@ -387,7 +423,7 @@ RenderWork Compositor::throughLevel(int firstSheet, int count, const PlaneStack&
                                     const WalkingTiles& walking) {
     return forOpenTiles(
         firstSheet, count,
-        [&](const Range& range) { return walking.own == nullptr ? tilesThatSee(range, covered) : m_tiles.all(); },
+        [&](const Range& range) { return walking.own == nullptr ? tilesThatSee(range, covered) : all(); },
         [&](int tile, const Range& range) {
             if (!walking.walks(tile)) return RenderWork{};
             return shadePoints(enter(tile, range, covered, &shader), tile, shader);

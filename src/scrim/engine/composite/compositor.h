@@ -62,6 +62,7 @@ class Compositor {
   private:
     struct TileWalk;
     struct Range;
+    struct SeeingTiles;
     void holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const;
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes, const SheetShader* shader = nullptr) const;
     RenderWork compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
@@ -71,9 +72,11 @@ class Compositor {
     RenderWork shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade);
     RenderWork shadePoints(const TileWalk& walk, int tile, const SheetShader& shader);
     TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, const Int2& cells) const;
-    template <class BoxOf, class Walk>
-    RenderWork forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
-    Box2<int> tilesThatSee(const Range& range, const PlaneStack& planes) const;
+    template <class TilesOf, class Walk>
+    RenderWork forOpenTiles(int firstSheet, int count, const TilesOf& tilesOf, const Walk& walk);
+    SeeingTiles all() const;
+    SeeingTiles tilesThatSee(const Range& range, const PlaneStack& planes) const;
+    void markSeeing(const Range& range, const PlaneStack& planes, SeeingTiles& seeing) const;
     void setRays(int tile, TileWalk& walk) const;
     void markIfOpaque(int tile, int blockEnd);
     PixelTiles::FirstDepth* firstDepth(int tile);

@@ -99,11 +99,10 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
         for (int tx = 0; tx < tilesX; ++tx) columns(s)[tx] = cellTiles(tx, map.offsetU, map.scale, rasterX);
         for (int ty = 0; ty < tilesY; ++ty) rows(s)[ty] = cellTiles(ty, map.offsetV, map.scale, rasterY);
         for (int ty = 0; ty < tilesY; ++ty)
-            for (int tx = 0; tx < tilesX; ++tx) {
-                if (!covered.active(s, tx, ty)) continue;
+            covered.forActive(s, ty, [&](int tx) {
                 windowX = {std::min(windowX.first, columns(s)[tx].first), std::max(windowX.last, columns(s)[tx].last)};
                 windowY = {std::min(windowY.first, rows(s)[ty].first), std::max(windowY.last, rows(s)[ty].last)};
-            }
+            });
     }
     m_window = {windowX.first, windowY.first, std::max(windowX.first, windowX.last + 1),
                 std::max(windowY.first, windowY.last + 1)};
@@ -117,13 +116,12 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
     for (int s = 0; s < count; ++s) {
         if (!m_view.reaches(firstSheet + s)) continue;
         for (int ty = 0; ty < tilesY; ++ty)
-            for (int tx = 0; tx < tilesX; ++tx) {
-                if (!covered.active(s, tx, ty)) continue;
+            covered.forActive(s, ty, [&](int tx) {
                 for (int y = rows(s)[ty].first; y <= rows(s)[ty].last; ++y)
                     for (int x = columns(s)[tx].first; x <= columns(s)[tx].last; ++x)
                         m_used[std::size_t(s) * tilesPerSheet +
-                               std::size_t((y - m_window.y0) * m_window.width() + x - m_window.x0)] = 1;
-            }
+                               std::size_t((y - m_window.y0) * m_window.width() + x - m_window.x0)] = kUsed;
+            });
     }
     if (!m_anywhere) return;
     m_met.resize(std::size_t(rasterX) * std::size_t(rasterY));
@@ -202,8 +200,8 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
     // Texels are read plane by plane. Surfaces are followed along their rays, tile by tile.
     for (int s = 0; s < m_count && surfaces.empty(); ++s) {
         const LightView::Cells map = m_view.at(m_firstSheet + s);
-        for (int x = 0; x < m_window.width(); ++x)
-            if (isUsed(s, x)) attenuateTile(tileOf(s, x, map));
+        forTilesIn(usedIn(s) + task * m_window.width(), m_window.width(), kUsed,
+                   [&](int x) { attenuateTile(tileOf(s, x, map)); });
     }
     std::vector<ClassifiedTile> classified(surfaces.size());
     for (int x = 0; x < m_window.width() && !surfaces.empty(); ++x) {
@@ -224,7 +222,11 @@ void ShadowBuffer::prefilter(int s) {
     };
     // Values are limited to those of their neighbours, so that a lit cell at an opaque edge stays as it is.
     forPrefilteredTiles(m_entry.data() + std::size_t(s) * entryStride(), m_window.width(), m_window.height(),
-                        windowWidth(), isUsed, [&](int tx, int ty, HaloTile& halo, Real* out) {
+                        windowWidth(),
+                        [&](int ty, const auto& visit) {
+                            forTilesIn(used + ty * m_window.width(), m_window.width(), kUsed, visit);
+                        },
+                        [&](int tx, int ty, HaloTile& halo, Real* out) {
                             // Tiles that take no part are empty; the cells that border on them replace theirs.
                             constexpr int kLast = kTileEdge - 1;
                             if (!isUsed(tx, ty - 1)) std::copy_n(halo.at(0, 0), kTileEdge, halo.at(0, -1));

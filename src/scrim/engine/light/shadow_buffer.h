@@ -130,7 +130,8 @@ class ShadowBuffer final : public Shadow {
     int m_firstSheet = 0, m_count = 0;
     Box2<int> m_window;
     ZeroedArray<Real> m_entry;
-    std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window
+    static constexpr std::uint8_t kUsed = 1;
+    std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window: kUsed, or 0
 
     // Window, entry planes and tiles of the last sheets before the batch, the very last sheet first.
     bool m_looksBefore;

@@ -89,15 +89,14 @@ bool needsTotals(const ViewScene& scene, const Plan& plan, ExtinctionSum::For wh
 // the tiles become active.
 void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
     for (int ty = 0; ty < to.tilesY(); ++ty)
-        for (int tx = 0; tx < to.tilesX(); ++tx) {
-            if (!from.active(p, tx, ty)) continue;
+        from.forActive(p, ty, [&](int tx) {
             to.activate(p, tx, ty);
-            if (weight == 0) continue;
+            if (weight == 0) return;
             const Real* source = from.tile(p, tx, ty);
             Real* target = to.tile(p, tx, ty);
             for (int y = 0; y < kTileEdge; ++y, source += from.rowStride(), target += to.rowStride())
                 for (int x = 0; x < kTileEdge; ++x) target[x] += weight * source[x];
-        }
+        });
 }
 
 }  // namespace

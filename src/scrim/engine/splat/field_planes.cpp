@@ -59,7 +59,7 @@ std::pair<int, int> reachOf(const ViewField& field, const Dials& dials, const Sh
 // Upper bound on the bytes of a field's splatter.
 std::size_t placementBytes(const ViewField& field, const FieldPlanes::Settings& settings, const Dials& dials,
                            const Sheets& sheets, const Lattice& lattice) {
-    const std::size_t sum = field.field->blockCount() * 8;
+    const std::size_t sum = field.field->blockCount() * 12;
     if (!lattice.parallel()) return sum;  // one small table
     const Mat4 rsFromIs = lattice.rsFromTs * sheets.tsFrom(field.wsFromIs);
     std::size_t tables = 0;

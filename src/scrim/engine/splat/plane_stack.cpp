@@ -270,17 +270,28 @@ bool anyActiveNear(const PlaneStack& planes, int p, const Box2<double>& texels) 
                                 tileOf(texels.x1 + 1, planes.width()) + 1, tileOf(texels.y1 + 1, planes.height()) + 1});
 }
 
+int PlaneStack::activeCount(int p) const {
+    const auto first = m_state.begin() + static_cast<std::ptrdiff_t>(tileIndex(p, 0, 0));
+    return static_cast<int>(std::count(first, first + std::ptrdiff_t(tilesX()) * tilesY(), kActive));
+}
+
 Box2<int> PlaneStack::activeBounds(int p) const {
     Box2<int> box;
-    for (int ty = 0; ty < tilesY(); ++ty)
-        for (int tx = 0; tx < tilesX(); ++tx)
-            if (active(p, tx, ty)) box.include({tx, ty, tx + 1, ty + 1});
+    for (int ty = 0; ty < tilesY(); ++ty) {
+        const std::uint8_t* const row = m_state.data() + tileIndex(p, 0, ty);
+        const auto count = std::size_t(tilesX());
+        const void* const first = std::memchr(row, kActive, count);
+        if (first == nullptr) continue;
+        const void* const last = memrchr(row, kActive, count);
+        box.include({static_cast<int>(static_cast<const std::uint8_t*>(first) - row), ty,
+                     static_cast<int>(static_cast<const std::uint8_t*>(last) - row) + 1, ty + 1});
+    }
     return box;
 }
 
 void PlaneStack::begin(int p) {
-    const auto first = m_state.begin() + static_cast<std::ptrdiff_t>(tileIndex(p, 0, 0));
-    std::replace(first, first + static_cast<std::ptrdiff_t>(tilesX()) * tilesY(), kActive, kStale);
+    std::uint8_t* const states = m_state.data() + tileIndex(p, 0, 0);
+    forTilesIn(states, tilesX() * tilesY(), kActive, [&](int tile) { states[tile] = kStale; });
 }
 
 void PlaneStack::activate(int p, int tx, int ty) {
@@ -294,18 +305,17 @@ void PlaneStack::finish(int p) {
 }
 
 void PlaneStack::finishRow(int p, int ty) {
-    for (int tx = 0; tx < tilesX(); ++tx) {
-        std::uint8_t& state = m_state[tileIndex(p, tx, ty)];
-        if (state != kStale) continue;
+    std::uint8_t* const states = m_state.data() + tileIndex(p, 0, ty);
+    forTilesIn(states, tilesX(), kStale, [&](int tx) {
         clearTile(p, tx, ty);
-        state = kClean;
-    }
+        states[tx] = kClean;
+    });
 }
 
 void PlaneStack::prefilter(int p, Simd simd) {
     constexpr Real kTwelfth = Real(1) / 12;
     forPrefilteredTiles(
-        plane(p), tilesX(), tilesY(), rowStride(), [&](int tx, int ty) { return active(p, tx, ty); },
+        plane(p), tilesX(), tilesY(), rowStride(), [&](int ty, const auto& visit) { forActive(p, ty, visit); },
         [&](int tx, int ty, const HaloTile& halo, Real* out) {
             if (prefilterAboveZero(halo, kTwelfth, simd, out, rowStride()) == 0) m_state[tileIndex(p, tx, ty)] = kClean;
         });
@@ -313,26 +323,23 @@ void PlaneStack::prefilter(int p, Simd simd) {
 
 void PlaneStack::raiseToZero(int p) {
     for (int ty = 0; ty < tilesY(); ++ty)
-        for (int tx = 0; tx < tilesX(); ++tx) {
-            if (!active(p, tx, ty)) continue;
+        forActive(p, ty, [&](int tx) {
             const int floats = kTileEdge * m_channels;
             Real* row = tile(p, tx, ty);
             for (int y = 0; y < kTileEdge; ++y, row += rowStride())
                 for (int x = 0; x < floats; ++x) row[x] = std::max(row[x], Real(0));
-        }
+        });
 }
 
 void PlaneStack::dropEmpty(int p) {
     for (int ty = 0; ty < tilesY(); ++ty)
-        for (int tx = 0; tx < tilesX(); ++tx) {
-            std::uint8_t& state = m_state[tileIndex(p, tx, ty)];
-            if (state != kActive) continue;
+        forActive(p, ty, [&](int tx) {
             const Real* row = tile(p, tx, ty);
             Real largest = 0;
             for (int y = 0; y < kTileEdge && largest == 0; ++y, row += rowStride())
                 for (int x = 0; x < kTileEdge; ++x) largest = std::max(largest, row[x]);
-            if (largest == 0) state = kClean;
-        }
+            if (largest == 0) m_state[tileIndex(p, tx, ty)] = kClean;
+        });
 }
 
 void PlaneStack::clearTile(int p, int tx, int ty) {

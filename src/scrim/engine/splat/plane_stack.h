@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,18 @@ struct FloatPlane {
     int x0 = 0, y0 = 0;
     Simd simd = {};  ///< instructions to read it with
 };
+
+/// Calls visit(i) for each i below `count` with states[i] == state, ascending. Most tiles of a large sheet are empty,
+/// and passing over them should cost next to nothing. `visit` may change states up to its own.
+template <class State, class Visit>
+void forTilesIn(State* states, int count, std::uint8_t state, const Visit& visit) {
+    State* const end = states + count;
+    for (State* at = states; at < end; ++at) {
+        at = static_cast<State*>(std::memchr(at, state, static_cast<std::size_t>(end - at)));
+        if (at == nullptr) return;
+        visit(static_cast<int>(at - states));
+    }
+}
 
 class PlaneStack {
   public:
@@ -56,8 +69,14 @@ class PlaneStack {
     int tilesX() const { return m_width / kTileEdge; }
     int tilesY() const { return m_height / kTileEdge; }
     bool active(int p, int tx, int ty) const { return m_state[tileIndex(p, tx, ty)] == kActive; }
+    /// Calls visit(tx) for the active tiles of a row, ascending; it may make that tile inactive.
+    template <class Visit>
+    void forActive(int p, int ty, const Visit& visit) const {
+        forTilesIn(m_state.data() + tileIndex(p, 0, ty), tilesX(), kActive, visit);
+    }
     /// True if any of these tiles is active; tiles outside of the plane are not.
     bool anyActive(int p, const Box2<int>& tiles) const;
+    int activeCount(int p) const;
     /// The smallest box of tiles around the active ones.
     Box2<int> activeBounds(int p) const;
 
@@ -159,30 +178,27 @@ struct HaloTile {
 Real prefilterAboveZero(const HaloTile& halo, Real strength, Simd simd, Real* out, std::ptrdiff_t stride);
 Real prefilterBetween(const HaloTile& halo, Real strength, Simd simd, Real* out, std::ptrdiff_t stride);
 
-/// Prefilters a plane of tilesX x tilesY tiles in place; rows are `rowStride` floats apart. filter(tx, ty, halo, out)
-/// is called for every active tile: the halo holds the original values of its cells and those around it, and `out` is
-/// its first cell. Cells outside of the plane are zeros, and so are those of inactive tiles to the left and above.
+/// Prefilters a plane of tilesX x tilesY tiles in place; rows are `rowStride` floats apart. forActive(ty, visit) calls
+/// visit(tx) for the active tiles of a row, ascending, and filter(tx, ty, halo, out) is called for each of them: the
+/// halo holds the original values of its cells and those around it, and `out` is its first cell. Cells outside of the plane are zeros, and so are those of inactive tiles to the left and above.
 ///
 /// The reason is that views look sheets up between texels, bilinearly. Averaged over all positions between texels, that
 /// adds a twelfth of the second difference along each axis: a blur that every view sees and that does not average out.
 /// Subtracting it beforehand leaves an error that changes sign from texel to texel and sheet to sheet, and averages out
 /// along a ray (quasi-interpolation; compare T. Blu, P. Thevenaz, M. Unser, "Linear Interpolation Revitalized", IEEE
 /// Transactions on Image Processing, 2004). Constant and linear fields stay as they are.
-template <class Active, class Filter>
-void forPrefilteredTiles(Real* plane, int tilesX, int tilesY, std::ptrdiff_t rowStride, const Active& active,
+template <class ForActive, class Filter>
+void forPrefilteredTiles(Real* plane, int tilesX, int tilesY, std::ptrdiff_t rowStride, const ForActive& forActive,
                          const Filter& filter) {
     HaloTile halo;
-    // The original values in the rows above and the columns to the left, before these were filtered.
-    std::vector<Real> above(std::size_t(tilesX * kTileEdge), Real(0));
+    // The original values of the last rows of tiles above, and the rows of tiles that they are of.
+    std::vector<Real> above(std::size_t(tilesX * kTileEdge));
+    std::vector<int> aboveRow(std::size_t(tilesX), -2);
     for (int ty = 0; ty < tilesY; ++ty) {
-        bool leftActive = false;
-        for (int tx = 0; tx < tilesX; ++tx) {
+        int last = -2;
+        forActive(ty, [&](int tx) {
             Real* const aboveTile = above.data() + tx * kTileEdge;
-            if (!active(tx, ty)) {
-                std::fill_n(aboveTile, kTileEdge, Real(0));
-                leftActive = false;
-                continue;
-            }
+            const bool leftActive = last == tx - 1;
             Real* const first = plane + ty * kTileEdge * rowStride + tx * kTileEdge;
             const bool endsX = tx + 1 == tilesX, endsY = ty + 1 == tilesY;
             for (int y = 0; y < kTileEdge; ++y) {
@@ -191,15 +207,19 @@ void forPrefilteredTiles(Real* plane, int tilesX, int tilesY, std::ptrdiff_t row
                 std::copy_n(first + y * rowStride, kTileEdge, row);
                 row[kTileEdge] = endsX ? Real(0) : first[y * rowStride + kTileEdge];
             }
-            std::copy_n(aboveTile, kTileEdge, halo.at(0, -1));
+            if (aboveRow[std::size_t(tx)] == ty - 1)
+                std::copy_n(aboveTile, kTileEdge, halo.at(0, -1));
+            else
+                std::fill_n(halo.at(0, -1), kTileEdge, Real(0));
             if (endsY)
                 std::fill_n(halo.at(0, kTileEdge), kTileEdge, Real(0));
             else
                 std::copy_n(first + kTileEdge * rowStride, kTileEdge, halo.at(0, kTileEdge));
             std::copy_n(halo.at(0, kTileEdge - 1), kTileEdge, aboveTile);
-            leftActive = true;
+            aboveRow[std::size_t(tx)] = ty;
+            last = tx;
             filter(tx, ty, halo, first);
-        }
+        });
     }
 }
 

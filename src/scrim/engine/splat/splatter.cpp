@@ -86,6 +86,9 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
     // One more tile accounts for the position of blocks within tiles, another for the tables' extent beyond footprints.
     m_bandTiles = std::max(kLeastBand, static_cast<int>((m_blockUpper.y - m_blockLower.y + 1) / kTileEdge) + 3);
 
+    m_rows.reserve(field.blockCount());
+    for (const Int3& origin : field.blockOrigins)
+        m_rows.push_back(tilesUnder(transformPoint(tsFromIs, Vec3(origin))).y0);
     std::vector<std::uint32_t> blocks(field.blockCount());
     std::iota(blocks.begin(), blocks.end(), 0U);
     addOrder(std::move(blocks), kBlockEdge, [&](std::uint32_t b) { return field.blockOrigins[b]; });
@@ -176,10 +179,9 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
     for (std::size_t f = 0; f < planes.size(); ++f) target.splat.planes[f] = planes[f].plane(firstPlane);
 
     std::vector<std::pair<std::uint32_t, Vec3>> blocks;
-    for (const std::uint32_t b : touching) {
-        const Vec3 ts = transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b]));
-        if (bandOf(ts, target) == target.band) blocks.emplace_back(b, ts);
-    }
+    for (const std::uint32_t b : touching)
+        if (bandOf(m_rows[b], target) == target.band)
+            blocks.emplace_back(b, transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b])));
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         // Blocks are scattered over memory, and each is soon done; the one after the next is prefetched meanwhile.
         if (constexpr std::size_t kAhead = 2; i + kAhead < blocks.size()) prefetchBlock(blocks[i + kAhead].first);
@@ -205,8 +207,9 @@ Box2<int> FieldSplatter::tilesUnder(const Vec3& ts) const {
             tile(ts.y + m_blockUpper.y + 1) + 1};
 }
 
-int FieldSplatter::bandOf(const Vec3& ts, const Target& target) const {
-    return std::clamp(tilesUnder(ts).y0 / m_bandTiles, 0, target.bands - 1);
+// The band of a block by the first row of tiles that it may touch.
+int FieldSplatter::bandOf(int row, const Target& target) const {
+    return std::clamp(row / m_bandTiles, 0, target.bands - 1);
 }
 
 void FieldSplatter::prefetchBlock(std::uint32_t b) const {

@@ -69,7 +69,8 @@ class FieldSplatter {
   private:
     struct Target;
     Box2<int> tilesUnder(const Vec3& tsOrigin) const;
-    int bandOf(const Vec3& tsOrigin, const Target& target) const;
+    int bandOf(int row, const Target& target) const;
+    int bandOf(const Vec3& tsOrigin, const Target& target) const { return bandOf(tilesUnder(tsOrigin).y0, target); }
     void prefetchBlock(std::uint32_t block) const;
     void splatOneBlock(const Vec3& tsOrigin, const float* const* values, Target& target) const;
     void splatTile(const Int3& origin, int edge, const float* values, Target& target) const;
@@ -87,6 +88,7 @@ class FieldSplatter {
     void addOrder(std::vector<std::uint32_t> numbers, int edge, const Origin& origin);
     std::vector<std::uint32_t> tilesTouching(int firstSheet, int lastSheet) const;
 
+    std::vector<std::int32_t> m_rows;  // of each block: the first row of tiles that it may touch
     Vec3 m_blockLower, m_blockUpper;   // offsets of a block's voxels in texel space, including their footprints
     std::vector<SheetOrder> m_orders;  // of the blocks, and of each size of tiles
     int m_bandTiles;                   // rows of tiles in a band, more than a block touches
