@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -46,6 +47,11 @@ struct Compositor::SeeingTiles {
     Box2<int> box;
     std::vector<std::uint8_t> marked{};  // for each tile of the box; empty: all of them may
 
+    bool anyIn(int ty) const {
+        if (box.empty() || ty < box.y0 || ty >= box.y1) return false;
+        const auto first = std::size_t(ty - box.y0) * std::size_t(box.width());
+        return marked.empty() || std::memchr(marked.data() + first, 1, std::size_t(box.width())) != nullptr;
+    }
     bool contains(int tx, int ty) const {
         return box.contains(tx, ty) &&
                (marked.empty() || marked[std::size_t((ty - box.y0) * box.width() + tx - box.x0)] != 0);
@@ -377,9 +383,13 @@ RenderWork Compositor::forOpenTiles(int firstSheet, int count, const TilesOf& ti
         parts.push_back({range, tilesOf(range), firstSheet + last == blockEnd});
         p = last;
     }
-    std::vector<RenderWork> walked(std::size_t(m_tiles.tilesY()));
-    parallelFor(std::size_t(m_tiles.tilesY()), [&](std::size_t row) {
-        const int ty = static_cast<int>(row);
+    std::vector<int> rows;
+    for (int ty = 0; ty < m_tiles.tilesY(); ++ty)
+        if (std::ranges::any_of(parts, [&](const Part& part) { return part.endsBlock || part.tiles.anyIn(ty); }))
+            rows.push_back(ty);
+    std::vector<RenderWork> walked(rows.size());
+    parallelFor(rows.size(), [&](std::size_t row) {
+        const int ty = rows[row];
         for (int tx = 0; tx < m_tiles.tilesX(); ++tx) {
             const int tile = ty * m_tiles.tilesX() + tx;
             for (const Part& part : parts) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -123,6 +124,17 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
                                std::size_t((y - m_window.y0) * m_window.width() + x - m_window.x0)] = kUsed;
             });
     }
+    m_rows.clear();
+    for (int y = 0; y < m_window.height(); ++y) {
+        const auto takesPart = [&](int s) {
+            return std::memchr(usedIn(s) + y * m_window.width(), kUsed, std::size_t(m_window.width())) != nullptr;
+        };
+        for (int s = 0; s < count; ++s)
+            if (takesPart(s)) {
+                m_rows.push_back(y);
+                break;
+            }
+    }
     if (!m_anywhere) return;
     m_met.resize(std::size_t(rasterX) * std::size_t(rasterY));
     for (std::size_t tile = 0; tile < m_used.size(); ++tile) {
@@ -173,9 +185,9 @@ void attenuateAlongRays(const AttenuateTile& tile, int s, const LightView& view,
 
 std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
                                       const std::vector<const Surface*>& surfaces) {
-    const int tileY = m_window.y0 + task;
+    const int row = m_rows[std::size_t(task)], tileY = m_window.y0 + row;
     std::uint64_t samples = 0;
-    const auto isUsed = [&](int s, int x) { return usedIn(s)[task * m_window.width() + x] != 0; };
+    const auto isUsed = [&](int s, int x) { return usedIn(s)[row * m_window.width() + x] != 0; };
     const auto tileOf = [&](int s, int x, const LightView::Cells& map) {
         AttenuateTile tile{};
         tile.extinction = extinction.view(s, m_simd);
@@ -193,14 +205,14 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
         tile.slopeStep = static_cast<Real>(m_view.slopeStep());
         tile.tau = m_tau.data() + static_cast<std::ptrdiff_t>(cellY) * m_view.width + cellX;
         tile.entry = m_entry.data() + std::size_t(s) * entryStride() +
-                     static_cast<std::ptrdiff_t>(task * kTileEdge) * windowWidth() + x * kTileEdge;
+                     static_cast<std::ptrdiff_t>(row * kTileEdge) * windowWidth() + x * kTileEdge;
         samples += kTileSize;
         return tile;
     };
     // Texels are read plane by plane. Surfaces are followed along their rays, tile by tile.
     for (int s = 0; s < m_count && surfaces.empty(); ++s) {
         const LightView::Cells map = m_view.at(m_firstSheet + s);
-        forTilesIn(usedIn(s) + task * m_window.width(), m_window.width(), kUsed,
+        forTilesIn(usedIn(s) + row * m_window.width(), m_window.width(), kUsed,
                    [&](int x) { attenuateTile(tileOf(s, x, map)); });
     }
     std::vector<ClassifiedTile> classified(surfaces.size());

@@ -85,7 +85,7 @@ class ShadowBuffer final : public Shadow {
     void beginBatch(int firstSheet, int count, const PlaneStack& extinction) {
         beginBatch(firstSheet, count, extinction, extinction);
     }
-    int taskCount() const override { return m_window.height(); }
+    int taskCount() const override { return static_cast<int>(m_rows.size()); }
     std::uint64_t attenuate(int task, const PlaneStack& extinction,
                             const std::vector<const Surface*>& surfaces) override;
 
@@ -132,6 +132,7 @@ class ShadowBuffer final : public Shadow {
     ZeroedArray<Real> m_entry;
     static constexpr std::uint8_t kUsed = 1;
     std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window: kUsed, or 0
+    std::vector<int> m_rows;           // rows of the window in which tiles take part, ascending
 
     // Window, entry planes and tiles of the last sheets before the batch, the very last sheet first.
     bool m_looksBefore;

@@ -186,32 +186,41 @@ void FieldPlanes::beginBatch(int firstSheet, int count) {
         m_origin = firstSheet;
         m_readySheet = firstSheet - m_settings.before;
     }
-    m_runs.clear();
     m_firstReady = m_readySheet;
-    const int end = firstSheet + count + m_settings.behind;
-    while (m_readySheet < end) {
-        const int wrap = planes().planes() - planeOf(m_readySheet);
-        m_runs.push_back(m_readySheet);
-        m_readySheet += std::min({kSheetsPerTask, end - m_readySheet, wrap});
-    }
-    m_runs.push_back(m_readySheet);
+    m_readySheet = std::max(m_readySheet, firstSheet + count + m_settings.behind);
     for (PlaneStack& planes : m_planes)
         for (int sheet = m_firstReady; sheet < m_readySheet; ++sheet) planes.begin(planeOf(sheet));
     prepare();
+    listTasks();
+}
+
+// Phases alternate between bands of rows; views that warp their footprints have no bands.
+void FieldPlanes::listTasks() {
+    for (std::vector<Task>& tasks : m_tasks) tasks.clear();
+    std::vector<std::uint8_t> marked;
+    for (int begin = m_firstReady; begin < m_readySheet;) {
+        const int wrap = planes().planes() - planeOf(begin);
+        const int end = begin + std::min({kSheetsPerTask, m_readySheet - begin, wrap});
+        marked.assign(std::size_t(bands()), 0);
+        for (const Placement& placement : m_placements) {
+            if (!placement.reaches(begin, end)) continue;
+            if (const auto* own = std::get_if<FieldSplatter>(&placement.splatter))
+                own->markBands(begin, end, planes(), marked);
+            else
+                marked.front() = 1;
+        }
+        for (std::size_t band = 0; band < marked.size(); ++band)
+            if (marked[band] != 0) m_tasks[band % kPhases].push_back({begin, end, static_cast<int>(band)});
+        begin = end;
+    }
 }
 
 int FieldPlanes::bands() const {
     return m_lattice.parallel() ? (planes().tilesY() + m_bandTiles - 1) / m_bandTiles : 1;
 }
 
-// Phases alternate between bands of rows; views that warp their footprints have no bands.
-int FieldPlanes::tasks(int phase) const {
-    return static_cast<int>(m_runs.size() - 1) * ((bands() + 1 - phase) / kPhases);
-}
-
 std::uint64_t FieldPlanes::splat(int phase, int task, const NeededTiles* needed, const TileCull& cull) {
-    const int runs = static_cast<int>(m_runs.size()) - 1;
-    const int begin = m_runs[task % runs], end = m_runs[task % runs + 1];
+    const auto [begin, end, band] = m_tasks[std::size_t(phase)][std::size_t(task)];
     const int first = planeOf(begin);
     TileCull culled = cull;
     if (needed)
@@ -222,7 +231,7 @@ std::uint64_t FieldPlanes::splat(int phase, int task, const NeededTiles* needed,
     for (const Placement& placement : m_placements) {
         if (!placement.reaches(begin, end)) continue;
         if (const auto* own = std::get_if<FieldSplatter>(&placement.splatter))
-            footprints += own->splat(begin, end, std::span(m_planes), first, culled, kPhases * (task / runs) + phase);
+            footprints += own->splat(begin, end, std::span(m_planes), first, culled, band);
         if (const auto* own = std::get_if<std::vector<WarpedSplatter>>(&placement.splatter))
             for (std::size_t f = 0; f < m_planes.size(); ++f)
                 footprints += (*own)[f].splat(begin, end, m_planes[f], first, culled);

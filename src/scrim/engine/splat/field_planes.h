@@ -9,6 +9,7 @@
 #include <scrim/engine/splat/splatter.h>
 #include <scrim/volume/tile_levels.h>
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -37,7 +38,7 @@ class FieldPlanes {
     /// independently of one another.
     void beginBatch(int firstSheet, int count);
     static constexpr int kPhases = 2;
-    int tasks(int phase) const;
+    int tasks(int phase) const { return static_cast<int>(m_tasks[std::size_t(phase)].size()); }
     /// Runs one task. Returns the footprints that were added. Blocks that touch none of the tiles in `needed` are
     /// culled, and so are those that `cull` rejects.
     std::uint64_t splat(int phase, int task, const NeededTiles* needed, const TileCull& cull);
@@ -60,6 +61,7 @@ class FieldPlanes {
     void placeTiles(const ViewField& field);
     void makeSplatter(Placement& placement) const;
     void prepare();
+    void listTasks();
     int bands() const;
 
     const Lattice& m_lattice;
@@ -74,7 +76,11 @@ class FieldPlanes {
     std::vector<PlaneStack> m_planes;        // one for each field
     int m_origin = -1;                       // first sheet of the first batch, which starts the ring of planes
     int m_firstReady = 0, m_readySheet = 0;  // sheets that the batch splats
-    std::vector<int> m_runs;                 // first sheet of each run of sheets that one task splats; and the end
+    // The sheets [begin, end) that one task splats, and its band of rows.
+    struct Task {
+        int begin, end, band;
+    };
+    std::array<std::vector<Task>, kPhases> m_tasks;  // those in which there is something
 };
 
 }  // namespace scrim

@@ -139,6 +139,20 @@ void FieldSplatter::join(const SparseField& field) {
     }
 }
 
+void FieldSplatter::markBands(int firstSheet, int lastSheet, const PlaneStack& planes,
+                              std::vector<std::uint8_t>& marked) const {
+    const int all = bands(planes);
+    for (const std::uint32_t b : m_orders.front().touching(firstSheet, lastSheet))
+        marked[std::size_t(bandOf(m_rows[b], all))] = 1;
+    for (const std::uint32_t t : tilesTouching(firstSheet, lastSheet)) {
+        const ConstantTile& tile = m_field.tiles[t];
+        const Bounds ts =
+            transformed(m_tsFromIs, Bounds{Vec3(tile.origin), Vec3(tile.origin + Int3(tile.edge - 1))});
+        const auto first = marked.begin() + bandOf(ts.lower, all), last = marked.begin() + bandOf(ts.upper, all);
+        std::fill(first, last + 1, std::uint8_t{1});
+    }
+}
+
 std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
                                    const TileCull& cull) const {
     std::uint64_t footprints = 0;
@@ -180,7 +194,7 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
 
     std::vector<std::pair<std::uint32_t, Vec3>> blocks;
     for (const std::uint32_t b : touching)
-        if (bandOf(m_rows[b], target) == target.band)
+        if (bandOf(m_rows[b], target.bands) == target.band)
             blocks.emplace_back(b, transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b])));
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         // Blocks are scattered over memory, and each is soon done; the one after the next is prefetched meanwhile.
@@ -208,8 +222,8 @@ Box2<int> FieldSplatter::tilesUnder(const Vec3& ts) const {
 }
 
 // The band of a block by the first row of tiles that it may touch.
-int FieldSplatter::bandOf(int row, const Target& target) const {
-    return std::clamp(row / m_bandTiles, 0, target.bands - 1);
+int FieldSplatter::bandOf(int row, int bands) const {
+    return std::clamp(row / m_bandTiles, 0, bands - 1);
 }
 
 void FieldSplatter::prefetchBlock(std::uint32_t b) const {
@@ -227,10 +241,10 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
         return;
     if (edge == kBlockEdge) {
         const Vec3 block = transformPoint(m_tsFromIs, Vec3(origin));
-        if (bandOf(block, target) == target.band) splatOneBlock(block, &values, target);
+        if (bandOf(block, target.bands) == target.band) splatOneBlock(block, &values, target);
         return;
     }
-    if (bandOf(ts.upper, target) < target.band || bandOf(ts.lower, target) > target.band) return;
+    if (bandOf(ts.upper, target.bands) < target.band || bandOf(ts.lower, target.bands) > target.band) return;
     const int half = edge / 2;
     for (int i = 0; i < 8; ++i) splatTile(origin + half * Int3(i >> 2 & 1, i >> 1 & 1, i & 1), half, values, target);
 }

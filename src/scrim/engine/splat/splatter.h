@@ -50,6 +50,9 @@ class FieldSplatter {
     void useBands(int tiles) { m_bandTiles = tiles; }
     int bands(const PlaneStack& planes) const { return (planes.tilesY() + m_bandTiles - 1) / m_bandTiles; }
 
+    /// Sets marked[b] for the bands b of `planes` in which something may touch sheets [firstSheet, lastSheet).
+    void markBands(int firstSheet, int lastSheet, const PlaneStack& planes, std::vector<std::uint8_t>& marked) const;
+
     /// Adds the field to sheets [firstSheet, lastSheet). The mean over each sheet's thickness of the reconstructed
     /// field times scale, at texel centres, is added to planes firstPlane + [0, lastSheet - firstSheet), for which
     /// `begin` was called. Returns the number of footprints (voxel and sheet pairs). Different threads may call it at
@@ -69,8 +72,8 @@ class FieldSplatter {
   private:
     struct Target;
     Box2<int> tilesUnder(const Vec3& tsOrigin) const;
-    int bandOf(int row, const Target& target) const;
-    int bandOf(const Vec3& tsOrigin, const Target& target) const { return bandOf(tilesUnder(tsOrigin).y0, target); }
+    int bandOf(int row, int bands) const;
+    int bandOf(const Vec3& tsOrigin, int bands) const { return bandOf(tilesUnder(tsOrigin).y0, bands); }
     void prefetchBlock(std::uint32_t block) const;
     void splatOneBlock(const Vec3& tsOrigin, const float* const* values, Target& target) const;
     void splatTile(const Int3& origin, int edge, const float* values, Target& target) const;
