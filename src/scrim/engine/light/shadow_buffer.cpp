@@ -233,22 +233,20 @@ void ShadowBuffer::prefilter(int s) {
         return x >= 0 && x < m_window.width() && y >= 0 && y < m_window.height() && used[y * m_window.width() + x] != 0;
     };
     // Values are limited to those of their neighbours, so that a lit cell at an opaque edge stays as it is.
-    forPrefilteredTiles(m_entry.data() + std::size_t(s) * entryStride(), m_window.width(), m_window.height(),
-                        windowWidth(),
-                        [&](int ty, const auto& visit) {
-                            forTilesIn(used + ty * m_window.width(), m_window.width(), kUsed, visit);
-                        },
-                        [&](int tx, int ty, HaloTile& halo, Real* out) {
-                            // Tiles that take no part are empty; the cells that border on them replace theirs.
-                            constexpr int kLast = kTileEdge - 1;
-                            if (!isUsed(tx, ty - 1)) std::copy_n(halo.at(0, 0), kTileEdge, halo.at(0, -1));
-                            if (!isUsed(tx, ty + 1)) std::copy_n(halo.at(0, kLast), kTileEdge, halo.at(0, kTileEdge));
-                            for (int y = 0; y < kTileEdge; ++y) {
-                                if (!isUsed(tx - 1, ty)) *halo.at(-1, y) = *halo.at(0, y);
-                                if (!isUsed(tx + 1, ty)) *halo.at(kTileEdge, y) = *halo.at(kLast, y);
-                            }
-                            prefilterBetween(halo, m_prefiltering, m_simd, out, windowWidth());
-                        });
+    forPrefilteredTiles(
+        m_entry.data() + std::size_t(s) * entryStride(), m_window.width(), m_window.height(), windowWidth(),
+        [&](int ty, const auto& visit) { forTilesIn(used + ty * m_window.width(), m_window.width(), kUsed, visit); },
+        [&](int tx, int ty, HaloTile& halo, Real* out) {
+            // Tiles that take no part are empty; the cells that border on them replace theirs.
+            constexpr int kLast = kTileEdge - 1;
+            if (!isUsed(tx, ty - 1)) std::copy_n(halo.at(0, 0), kTileEdge, halo.at(0, -1));
+            if (!isUsed(tx, ty + 1)) std::copy_n(halo.at(0, kLast), kTileEdge, halo.at(0, kTileEdge));
+            for (int y = 0; y < kTileEdge; ++y) {
+                if (!isUsed(tx - 1, ty)) *halo.at(-1, y) = *halo.at(0, y);
+                if (!isUsed(tx + 1, ty)) *halo.at(kTileEdge, y) = *halo.at(kLast, y);
+            }
+            prefilterBetween(halo, m_prefiltering, m_simd, out, windowWidth());
+        });
 }
 
 // Tau at entry into a sheet: a window of the whole raster.

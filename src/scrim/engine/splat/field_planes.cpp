@@ -59,7 +59,7 @@ std::pair<int, int> reachOf(const ViewField& field, const Dials& dials, const Sh
 // Upper bound on the bytes of a field's splatter.
 std::size_t placementBytes(const ViewField& field, const FieldPlanes::Settings& settings, const Dials& dials,
                            const Sheets& sheets, const Lattice& lattice) {
-    const std::size_t sum = field.field->blockCount() * 12;
+    const std::size_t sum = FieldSplatter::bytesOfBlocks(*field.field);
     if (!lattice.parallel()) return sum;  // one small table
     const Mat4 rsFromIs = lattice.rsFromTs * sheets.tsFrom(field.wsFromIs);
     std::size_t tables = 0;
@@ -101,6 +101,7 @@ void FieldPlanes::makeSplatter(Placement& placement) const {
                                                                kernel, s.stepsPerVoxel, s.scale, s.most, m_simd);
     if (!placement.values.empty()) splatter.useValues(placement.values);
     for (std::size_t f = 1; f < fields.size(); ++f) splatter.join(*fields[f].field);
+    splatter.tighten();
 }
 
 FieldPlanes::FieldPlanes(const std::vector<std::vector<ViewField>>& placements, const Settings& settings,

@@ -180,7 +180,8 @@ Real prefilterBetween(const HaloTile& halo, Real strength, Simd simd, Real* out,
 
 /// Prefilters a plane of tilesX x tilesY tiles in place; rows are `rowStride` floats apart. forActive(ty, visit) calls
 /// visit(tx) for the active tiles of a row, ascending, and filter(tx, ty, halo, out) is called for each of them: the
-/// halo holds the original values of its cells and those around it, and `out` is its first cell. Cells outside of the plane are zeros, and so are those of inactive tiles to the left and above.
+/// halo holds the original values of its cells and those around it, and `out` is its first cell. Cells outside of the
+/// plane are zeros, and so are those of inactive tiles to the left and above.
 ///
 /// The reason is that views look sheets up between texels, bilinearly. Averaged over all positions between texels, that
 /// adds a twelfth of the second difference along each axis: a blur that every view sees and that does not average out.

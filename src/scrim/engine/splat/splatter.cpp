@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/splat/splatter.h>
 
+#include <scrim/base/parallel.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -51,6 +53,16 @@ struct FieldSplatter::SheetOrder {
     }
 };
 
+bool FieldSplatter::isScattered(const SparseField& field) {
+    constexpr std::size_t kFew = 64;  // voxels of a block
+    return field.blockCount() > 0 && field.activeVoxels <= kFew * field.blockCount();
+}
+
+std::size_t FieldSplatter::bytesOfBlocks(const SparseField& field) {
+    constexpr std::size_t kOrder = 8, kRow = 4;
+    return field.blockCount() * (kOrder + kRow + (isScattered(field) ? sizeof(Bounds) : 0));
+}
+
 FieldSplatter::FieldSplatter(FieldSplatter&&) noexcept = default;
 FieldSplatter::~FieldSplatter() = default;
 
@@ -80,15 +92,14 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
     const Bounds lattice = extentOf(kBlockEdge, tsFromIs);
     // Slopes extend one step beyond the kernel.
     const double texelStep = 1.0 / m_table.texelSteps();
-    const Vec3 reach = m_table.extent() + Vec3(texelStep, texelStep, 2 * rounding(m_table));
-    m_blockLower = lattice.lower - reach;
-    m_blockUpper = lattice.upper + reach;
+    m_footprint = m_table.extent() + Vec3(texelStep, texelStep, 2 * rounding(m_table));
+    m_reach = {lattice.lower - m_footprint, lattice.upper + m_footprint};
     // One more tile accounts for the position of blocks within tiles, another for the tables' extent beyond footprints.
-    m_bandTiles = std::max(kLeastBand, static_cast<int>((m_blockUpper.y - m_blockLower.y + 1) / kTileEdge) + 3);
+    m_bandTiles = std::max(kLeastBand, static_cast<int>((m_reach.size().y + 1) / kTileEdge) + 3);
 
     m_rows.reserve(field.blockCount());
     for (const Int3& origin : field.blockOrigins)
-        m_rows.push_back(tilesUnder(transformPoint(tsFromIs, Vec3(origin))).y0);
+        m_rows.push_back(tilesUnder(transformPoint(tsFromIs, Vec3(origin)), m_reach).y0);
     std::vector<std::uint32_t> blocks(field.blockCount());
     std::iota(blocks.begin(), blocks.end(), 0U);
     addOrder(std::move(blocks), kBlockEdge, [&](std::uint32_t b) { return field.blockOrigins[b]; });
@@ -146,10 +157,50 @@ void FieldSplatter::markBands(int firstSheet, int lastSheet, const PlaneStack& p
         marked[std::size_t(bandOf(m_rows[b], all))] = 1;
     for (const std::uint32_t t : tilesTouching(firstSheet, lastSheet)) {
         const ConstantTile& tile = m_field.tiles[t];
-        const Bounds ts =
-            transformed(m_tsFromIs, Bounds{Vec3(tile.origin), Vec3(tile.origin + Int3(tile.edge - 1))});
+        const Bounds ts = transformed(m_tsFromIs, Bounds{Vec3(tile.origin), Vec3(tile.origin + Int3(tile.edge - 1))});
         const auto first = marked.begin() + bandOf(ts.lower, all), last = marked.begin() + bandOf(ts.upper, all);
         std::fill(first, last + 1, std::uint8_t{1});
+    }
+}
+
+// The box of a block's voxels that are not 0 in all fields, in voxels from its first; empty if all are.
+Bounds FieldSplatter::liveVoxels(std::size_t block) const {
+    Bounds live;
+    for (const auto& values : m_values)
+        for (int i = 0; i < kBlockVoxels; ++i)
+            if (values[block][i] != 0)
+                live.include(Vec3(i / (kBlockEdge * kBlockEdge), i / kBlockEdge % kBlockEdge, i % kBlockEdge));
+    return live;
+}
+
+// A spark in a block of its own fills a hundredth of the tiles and sheets that the block may touch.
+void FieldSplatter::tighten() {
+    if (!isScattered(m_field)) return;
+    Mat4 offset = m_tsFromIs;
+    offset[3] = {0, 0, 0, 1};
+    m_live.resize(m_field.blockCount());
+    parallelFor(m_live.size(), [&](std::size_t b) {
+        const Bounds live = liveVoxels(b);
+        if (live.empty()) return;
+        const Bounds ts = transformed(offset, live);
+        m_live[b] = {ts.lower - m_footprint, ts.upper + m_footprint};
+    });
+    // Only the blocks that have any are kept, by the sheets that these touch.
+    std::vector<std::pair<std::int32_t, std::uint32_t>> blocks;
+    SheetOrder& order = m_orders.front();
+    order = {};
+    for (std::uint32_t b = 0; b < m_live.size(); ++b) {
+        if (m_live[b].empty()) continue;
+        const double n = transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b])).z;
+        const int first = firstTouched(m_table, n + m_live[b].lower.z + m_footprint.z);
+        const int last = lastTouched(m_table, n + m_live[b].upper.z - m_footprint.z);
+        order.span = std::max(order.span, last - first + 2);
+        blocks.emplace_back(first, b);
+    }
+    std::sort(blocks.begin(), blocks.end());
+    for (const auto& [first, b] : blocks) {
+        order.cubes.push_back(b);
+        order.firstSheets.push_back(first);
     }
 }
 
@@ -202,7 +253,7 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
         const auto& [b, ts] = blocks[i];
         std::array<const float*, BlockSplat::kMost> values{};
         for (std::size_t f = 0; f < m_values.size(); ++f) values[f] = m_values[f][b];
-        splatOneBlock(ts, values.data(), target);
+        splatOneBlock(ts, m_live.empty() ? m_reach : m_live[b], values.data(), target);
     }
 
     std::array<float, kBlockVoxels> constant;
@@ -215,10 +266,10 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
 }
 
 // The tiles that a block's footprints may touch, some possibly outside of the planes.
-Box2<int> FieldSplatter::tilesUnder(const Vec3& ts) const {
+Box2<int> FieldSplatter::tilesUnder(const Vec3& ts, const Bounds& reach) const {
     const auto tile = [](double texel) { return static_cast<int>(std::floor(texel / kTileEdge)); };
-    return {tile(ts.x + m_blockLower.x), tile(ts.y + m_blockLower.y), tile(ts.x + m_blockUpper.x + 1) + 1,
-            tile(ts.y + m_blockUpper.y + 1) + 1};
+    return {tile(ts.x + reach.lower.x), tile(ts.y + reach.lower.y), tile(ts.x + reach.upper.x + 1) + 1,
+            tile(ts.y + reach.upper.y + 1) + 1};
 }
 
 // The band of a block by the first row of tiles that it may touch.
@@ -241,7 +292,7 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
         return;
     if (edge == kBlockEdge) {
         const Vec3 block = transformPoint(m_tsFromIs, Vec3(origin));
-        if (bandOf(block, target.bands) == target.band) splatOneBlock(block, &values, target);
+        if (bandOf(block, target.bands) == target.band) splatOneBlock(block, m_reach, &values, target);
         return;
     }
     if (bandOf(ts.upper, target.bands) < target.band || bandOf(ts.lower, target.bands) > target.band) return;
@@ -249,7 +300,8 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
     for (int i = 0; i < 8; ++i) splatTile(origin + half * Int3(i >> 2 & 1, i >> 1 & 1, i & 1), half, values, target);
 }
 
-void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Target& target) const {
+void FieldSplatter::splatOneBlock(const Vec3& ts, const Bounds& reach, const float* const* values,
+                                  Target& target) const {
     const BlockSplat& splat = target.splat;
     // All voxels whose entry in the table includes one of the sheets count, even if its weights there are 0: which
     // voxels are splatted into a sheet must not depend on how calls share the sheets.
@@ -259,17 +311,17 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Ta
     if (first == second) return;
 
     // Activates the tiles under the block, once for each sheet that it may touch.
-    const Box2<int> under = tilesUnder(ts);
+    const Box2<int> under = tilesUnder(ts, reach);
     const Box2<int> tiles = intersection(under, {0, 0, target.planes[0].tilesX(), target.planes[0].tilesY()});
     if (tiles.empty()) return;
     if (*target.cull && (*target.cull)(under)) return;
     // Tables extend a little beyond the kernel: one texel before it, and rows are rounded up behind it.
     constexpr double kBefore = 2, kBehind = 6;
-    target.splat.clipped = ts.x + m_blockLower.x < kBefore || ts.y + m_blockLower.y < kBefore ||
-                           ts.x + m_blockUpper.x > splat.width - kBehind ||
-                           ts.y + m_blockUpper.y > splat.height - kBehind;
-    const int s0 = std::max(splat.firstSheet, static_cast<int>(std::floor(ts.z + m_blockLower.z)));
-    const int s1 = std::min(splat.lastSheet, static_cast<int>(std::floor(ts.z + m_blockUpper.z)) + 1);
+    target.splat.clipped = ts.x + reach.lower.x < kBefore || ts.y + reach.lower.y < kBefore ||
+                           ts.x + reach.upper.x > splat.width - kBehind ||
+                           ts.y + reach.upper.y > splat.height - kBehind;
+    const int s0 = std::max(splat.firstSheet, static_cast<int>(std::floor(ts.z + reach.lower.z)));
+    const int s1 = std::min(splat.lastSheet, static_cast<int>(std::floor(ts.z + reach.upper.z)) + 1);
     for (int s = s0; s < s1; ++s)
         for (int ty = tiles.y0; ty < tiles.y1; ++ty)
             for (int tx = tiles.x0; tx < tiles.x1; ++tx)

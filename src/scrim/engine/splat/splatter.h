@@ -44,6 +44,13 @@ class FieldSplatter {
     /// Replaces the values of the field's blocks by others, 512 each.
     void useValues(std::vector<const float*> values) { m_values.front() = std::move(values); }
 
+    /// Bytes of what is known of each block of a field.
+    static std::size_t bytesOfBlocks(const SparseField& field);
+
+    /// Finds where blocks of few voxels have them, so that the rest of such a block costs nothing. To be called after
+    /// `join` and `useValues`.
+    void tighten();
+
     std::size_t tableBytes() const { return m_pieces.bytes(); }
     /// Rows of tiles in a band. Setting more than needed lets several splatters take turns at the same bands.
     int bandTiles() const { return m_bandTiles; }
@@ -71,11 +78,13 @@ class FieldSplatter {
 
   private:
     struct Target;
-    Box2<int> tilesUnder(const Vec3& tsOrigin) const;
+    static bool isScattered(const SparseField& field);
+    Box2<int> tilesUnder(const Vec3& tsOrigin, const Bounds& reach) const;
     int bandOf(int row, int bands) const;
-    int bandOf(const Vec3& tsOrigin, int bands) const { return bandOf(tilesUnder(tsOrigin).y0, bands); }
+    int bandOf(const Vec3& tsOrigin, int bands) const { return bandOf(tilesUnder(tsOrigin, m_reach).y0, bands); }
     void prefetchBlock(std::uint32_t block) const;
-    void splatOneBlock(const Vec3& tsOrigin, const float* const* values, Target& target) const;
+    Bounds liveVoxels(std::size_t block) const;
+    void splatOneBlock(const Vec3& tsOrigin, const Bounds& reach, const float* const* values, Target& target) const;
     void splatTile(const Int3& origin, int edge, const float* values, Target& target) const;
 
     const SparseField& m_field;
@@ -92,7 +101,9 @@ class FieldSplatter {
     std::vector<std::uint32_t> tilesTouching(int firstSheet, int lastSheet) const;
 
     std::vector<std::int32_t> m_rows;  // of each block: the first row of tiles that it may touch
-    Vec3 m_blockLower, m_blockUpper;   // offsets of a block's voxels in texel space, including their footprints
+    Vec3 m_footprint;                  // half the extent of a voxel's footprint in texel space
+    Bounds m_reach;                    // offsets of a block's voxels in texel space, including their footprints
+    std::vector<Bounds> m_live;        // the same for each block's voxels that are not 0; empty: not known
     std::vector<SheetOrder> m_orders;  // of the blocks, and of each size of tiles
     int m_bandTiles;                   // rows of tiles in a band, more than a block touches
 };
