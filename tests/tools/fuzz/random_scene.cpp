@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -19,11 +20,13 @@ namespace scrim::fuzz {
 namespace {
 
 constexpr double kRounding = 1e-5;  // of sums of floats
+constexpr double kSums = 1.02;      // a wide light is a sum over few directions, between which lobes are narrow
 constexpr double kMostWork = 3e6;   // of whatever the plan counts: larger scenes teach no more
 constexpr double kLargest = 1e30;   // beyond this floats may overflow, and need not be right
 
-/// The most irradiance (distant) that `light` gives anywhere; infinite where nothing bounds it.
+/// The most irradiance that `light` gives anywhere; infinite where nothing bounds it.
 double mostOf(const Light& light, int c) {
+    if (light.dome() || light.area()) return std::numbers::pi * light.intensity[c];
     if (light.distant() || !light.point().decay) return light.intensity[c];
     return light.intensity[c] == 0 ? 0 : light.intensity[c] / (light.point().radius * light.point().radius);
 }
@@ -41,13 +44,15 @@ double brightest(const ViewScene& scene, const ViewVolume& volume, int c) {
     }
     if (!volume.emission.empty()) return std::numeric_limits<double>::infinity();
     // Every phase function is convex in the cosine: it is largest straight on or straight back.
-    double phaseMost = 0;
+    double phaseMost = 0, scattered = 0;
     for (int n = 0; n < volume.medium.octaves.count; ++n) {
         const Phase phase = flattened(volume.medium.phase, std::pow(volume.medium.octaves.phase, n));
-        phaseMost +=
-            std::pow(volume.medium.octaves.contribution, n) * std::max(phaseValue(phase, 1), phaseValue(phase, -1));
+        const double contribution = std::pow(volume.medium.octaves.contribution, n);
+        phaseMost += contribution * std::max(phaseValue(phase, 1), phaseValue(phase, -1));
+        scattered += contribution;
     }
-    for (const Light& light : scene.lights) most += mostOf(light, c) * phaseMost;
+    for (const Light& light : scene.lights)
+        most += light.dome() || light.area() ? kSums * light.intensity[c] * scattered : mostOf(light, c) * phaseMost;
     return (volume.scatter.empty() ? volume.medium.albedo[c] : 1.0) * (most + scene.ambient[c]);
 }
 
@@ -73,7 +78,14 @@ void checkPicture(const ByteScene& scene, const Plan& plan, const Image& image) 
         for (int c = 0; c < 3; ++c) most[c] = std::max(most[c], brightest(scene.view, volume, c));
     // Light that comes from one side and scatters again is nowhere this much brighter.
     constexpr double kAgain = 10;
+    // Nothing bounds it where light without shadows feeds the depth of a volume, in which it stays.
     if (anyScattersFully(scene.view))
+        for (const Light& light : scene.view.lights)
+            for (int c = 0; c < 3 && !light.shadows; ++c)
+                if (light.intensity[c] > 0) most[c] = std::numeric_limits<double>::infinity();
+    // Lamps are a few points each, next to which it is brighter than next to the lamp.
+    const auto& lights = scene.view.lights;
+    if (anyScattersFully(scene.view) || std::any_of(lights.begin(), lights.end(), std::mem_fn(&Light::area)))
         for (double& value : most) value *= kAgain;
     for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
         const float* rgba = image.rgba.data() + i;

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <vector>
 
@@ -120,12 +121,16 @@ void addPhase(Lines& out, Choices& c) {
     }
 }
 
-void addVolume(Lines& out, Choices& c) {
+// `edges`: how much larger voxels are; empty: by choice.
+void addVolume(Lines& out, Choices& c, const std::string& edges = "") {
     out.line("[[volume]]\nfile = \"made.vdb\"");
     const double scale = c.once(5) ? c.logBetween(1e-30, 1e30) : c.logBetween(0.1, 20);
     out.add("density",
             fmt::format("{{ scale = {}{} }}", scale, c.once(5) ? ", ramp = [[0, 0], [0.3, 1], [0.6, 0.2]]" : ""));
-    if (c.once(3)) {
+    if (!edges.empty()) {
+        out.add("transform.scale", edges);
+        out.add("transform.translate", c.point(4));
+    } else if (c.once(3)) {
         out.add("transform.rotate", c.point(180));
         const double x = c.logBetween(1, 4), y = c.logBetween(1, 0.25), z = c.logBetween(1, 2);
         out.add("transform.scale", fmt::format("[{}, {}, {}]", x, y, z));
@@ -176,6 +181,34 @@ void addLight(Lines& out, Choices& c, int number) {
         out.add("slide.fov", c.between(40, 170));
     out.add("slide.roll", c.between(0, 360));
     if (!projector) out.addWord("slide.outside", c.word({"black", "clamp", "repeat"}));
+}
+
+// A lamp with a surface, or a sky.
+void addExtended(Lines& out, Choices& c, int number) {
+    out.line("[[light]]");
+    out.add("name", fmt::format("\"x{}\"", number));
+    out.add("color", c.colour());
+    out.add("intensity", c.logBetween(0.1, 10));
+    out.add("shadows", !c.once(5));
+    if (c.once(3)) return out.addWord("type", "dome");
+    const std::string shape = c.word({"rectangle", "disk", "sphere", "cylinder"});
+    out.addWord("type", "area");
+    out.addWord("shape", shape.c_str());
+    out.add("position", c.point(20));
+    if (shape != "sphere") out.add("direction", c.point(1));
+    if (shape == "rectangle" || shape == "cylinder") out.add("width", c.logBetween(0.3, 20));
+    out.add(shape == "rectangle" ? "height" : "radius", c.logBetween(0.3, 8));
+    if (c.once(4)) out.add("samples", 1 + c.below(8));
+    out.addWord("shadow", c.word({"auto", "auto", "buffers", "cells"}));
+}
+
+// What came later than the corpus: lamps and skies, and a volume of much larger or smaller voxels.
+void addMore(Lines& out, Choices& c) {
+    if (c.once(2)) {
+        const double scale = c.word({"small", "large"})[0] == 's' ? 0.125 : 8;
+        addVolume(out, c, fmt::format("[{0}, {0}, {0}]", scale));
+    }
+    for (int i = c.below(3); i > 0; --i) addExtended(out, c, i);
 }
 
 void addDials(Lines& out, Choices& c) {
@@ -248,6 +281,12 @@ ByteScene sceneOfBytes(const std::uint8_t* data, std::size_t size) {
     addCamera(lines, c);
     for (int i = 1 + (c.once(4) ? c.below(3) : 0); i > 0; --i) addVolume(lines, c);
     for (int i = (c.below(5) + 1) % 5; i > 0; --i) addLight(lines, c, i);
+    // Inputs that end so say more, from their end on.
+    if (const std::vector<std::uint8_t> back(std::reverse_iterator(data + size), std::reverse_iterator(data));
+        !back.empty() && back.front() == 'X') {
+        Choices more(back.data() + 1, back.size() - 1);
+        addMore(lines, more);
+    }
     if (c.once(2)) {
         lines.line("[ambient]");
         lines.add("color", c.colour());

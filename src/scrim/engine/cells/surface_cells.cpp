@@ -157,6 +157,8 @@ SurfaceNormals surfaceNormals(const CellGrid& grid, const ViewVolume& volume, Ke
 
 std::vector<Bounds> SurfaceCells::boxes(const CellGrid& grid, const std::vector<bool>& blocks, double margin) const {
     std::vector<Bounds> boxes;
+    // Kernels reach beyond voxels, and may end in the outermost cells.
+    const Vec3 least = grid.wsFromCs(Vec3(0.5)), most = grid.wsFromCs(Vec3(grid.blocks() * kCellEdge) - 0.5);
     for (std::size_t b = 0; b < grid.storedBlocks().size(); ++b) {
         const auto first = extinction.begin() + static_cast<std::ptrdiff_t>(b * kBlockCells);
         if (!blocks[b] || std::none_of(first, first + kBlockCells, [](Real sigma) { return sigma > 0; })) continue;
@@ -166,7 +168,7 @@ std::vector<Bounds> SurfaceCells::boxes(const CellGrid& grid, const std::vector<
             if (first[i] > 0)
                 box.include(grid.wsFromCs(
                     Vec3(corner + Int3(i % kCellEdge, i / kCellEdge % kCellEdge, i / (kCellEdge * kCellEdge))) + 0.5));
-        boxes.push_back({box.lower - margin, box.upper + margin});
+        boxes.push_back({glm::max(box.lower - margin, least), glm::min(box.upper + margin, most)});
     }
     return boxes;
 }

@@ -19,7 +19,7 @@ struct SurfaceCells {
 
     std::size_t bytes() const { return (extinction.size() + value.size()) * sizeof(Real); }
     /// Boxes around those `blocks` of `grid`, whose cells these are, that have a cell of the surfaces: `margin` world
-    /// units beyond its cells.
+    /// units beyond its cells, within the grid.
     std::vector<Bounds> boxes(const CellGrid& grid, const std::vector<bool>& blocks, double margin) const;
 };
 
