@@ -5,11 +5,9 @@
 #include <scrim/engine/splat/plane_stack.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <type_traits>
 
 namespace scrim {
 namespace {
@@ -302,7 +300,8 @@ bool SheetShader::shadeCells(int p, const SampleTile& samples, const Int2& cells
 // Lights what the rows hold.
 bool SheetShader::shadeGathered(int p, const SampleTile& samples, Rows& rows, Real* out, ShadeWork& work) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
-    if (!shows(rows)) return false;
+    const SampleRows lit = this->lit(rows);
+    if (!lit.any() && !glows(rows)) return false;
     if (surfacesAlone())
         for (std::size_t i = 0; i < lights.shadows.size(); ++i) {
             Real *const enters = rows.tauIn[i].values, *const leaves = rows.tauOut[i].values;
@@ -311,9 +310,13 @@ bool SheetShader::shadeGathered(int p, const SampleTile& samples, Rows& rows, Re
                                     m_group.sameSide ? enters : leaves, m_group.sameSide ? leaves : enters);
         }
     else
-        for (std::size_t i = 0; i < lights.shadows.size(); ++i)
-            if (lights.shadows[i])
-                lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, kTileSize, rows.tauIn[i].values);
+        for (std::size_t i = 0; i < lights.shadows.size(); ++i) {
+            if (!lights.shadows[i]) continue;
+            Real* const tau = rows.tauIn[i].values;
+            std::fill_n(tau, kTileSize, Real(0));
+            if (const int at = lit.begin(); lit.any())
+                lights.shadows[i]->lookUpPoints(p, samples.u + at, samples.v + at, lit.count(), tau + at);
+        }
     addCoarserShadows(p, samples, rows);
     addFinerShadows(p, samples, rows);
     passSolids(p, samples, rows);
@@ -488,19 +491,17 @@ void SheetShader::classify(int p, const SampleTile& at, const std::uint8_t* open
     }
 }
 
-// True if there is extinction or emission at any of the samples.
-bool SheetShader::shows(const Rows& rows) const {
-    const auto any = [](const Real* values) {
-        using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
-        Bits all = 0;  // a loop over floats with an early exit would not be vectorised
-        for (int k = 0; k < kTileSize; ++k) all |= std::bit_cast<Bits>(values[k]);
-        return all != 0;
-    };
-    for (int i = 0; i < m_plan.extinction.count(); ++i)
-        if (any(rows.total[i].values)) return true;
-    for (std::size_t e = 0; e < m_emissions.size(); ++e)
-        if (any(rows.emission[e].values)) return true;
-    return false;
+// The samples with extinction, which alone reflect light.
+SampleRows SheetShader::lit(const Rows& rows) const {
+    SampleRows lit;
+    for (int i = 0; i < m_plan.extinction.count(); ++i) lit.include(rows.total[std::size_t(i)].values);
+    return lit;
+}
+
+bool SheetShader::glows(const Rows& rows) const {
+    SampleRows glowing;
+    for (std::size_t e = 0; e < m_emissions.size() && !glowing.any(); ++e) glowing.include(rows.emission[e].values);
+    return glowing.any();
 }
 
 // Surfaces that share sheets with media, or have sheets of their own for each view, are lit like media.

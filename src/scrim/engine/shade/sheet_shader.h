@@ -8,6 +8,7 @@
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/shade/level_sheets.h>
 #include <scrim/engine/shade/screen_motion.h>
+#include <scrim/engine/shade/sample_rows.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
 #include <scrim/engine/lamps/cell_light.h>
@@ -68,7 +69,8 @@ class SheetShader {
     void classify(int p, const SampleTile& at, const std::uint8_t* open, bool onward, Rows& rows,
                   ShadeWork& work) const;
     bool shadeGathered(int p, const SampleTile& samples, Rows& rows, Real* out, ShadeWork& work) const;
-    bool shows(const Rows& rows) const;
+    SampleRows lit(const Rows& rows) const;
+    bool glows(const Rows& rows) const;
     void chooseScattered(const std::vector<CellLight>& cellLight);
     void lookUpScattered(int sheet, const SampleTile& samples, Rows& rows) const;
     void fillMotion(int p, const SampleTile& samples, Rows& rows) const;
