@@ -124,25 +124,31 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
                                std::size_t((y - m_window.y0) * m_window.width() + x - m_window.x0)] = kUsed;
             });
     }
+    listRows();
+    if (m_anywhere) meetTiles();
+}
+
+void ShadowBuffer::listRows() {
     m_rows.clear();
+    const auto width = std::size_t(m_window.width());
     for (int y = 0; y < m_window.height(); ++y) {
-        const auto takesPart = [&](int s) {
-            return std::memchr(usedIn(s) + y * m_window.width(), kUsed, std::size_t(m_window.width())) != nullptr;
-        };
-        for (int s = 0; s < count; ++s)
-            if (takesPart(s)) {
-                m_rows.push_back(y);
-                break;
-            }
+        bool any = false;
+        for (int s = 0; s < m_count && !any; ++s)
+            any = std::memchr(usedIn(s) + std::size_t(y) * width, kUsed, width) != nullptr;
+        if (any) m_rows.push_back(y);
     }
-    if (!m_anywhere) return;
+}
+
+// Remembers the tiles of the raster that take part in the batch.
+void ShadowBuffer::meetTiles() {
+    const int rasterX = m_view.width / kTileEdge, rasterY = m_view.height / kTileEdge;
     m_met.resize(std::size_t(rasterX) * std::size_t(rasterY));
-    for (std::size_t tile = 0; tile < m_used.size(); ++tile) {
-        if (m_used[tile] == 0) continue;
-        const auto at = static_cast<int>(tile % tilesPerSheet);
-        const int x = m_window.x0 + at % m_window.width(), y = m_window.y0 + at / m_window.width();
-        m_met[std::size_t(y) * std::size_t(rasterX) + std::size_t(x)] = 1;
-    }
+    for (int s = 0; s < m_count; ++s)
+        for (const int row : m_rows)
+            forTilesIn(usedIn(s) + row * m_window.width(), m_window.width(), kUsed, [&](int x) {
+                const int y = m_window.y0 + row;
+                m_met[std::size_t(y) * std::size_t(rasterX) + std::size_t(m_window.x0 + x)] = 1;
+            });
 }
 
 namespace {

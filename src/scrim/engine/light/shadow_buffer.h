@@ -112,6 +112,8 @@ class ShadowBuffer final : public Shadow {
     void lookUpPatch(int s, const LightView::Cells& map, const Real* u, const Real* v, int count, Real* tau) const;
     void leaveTheSource(double part, const FloatPlane& extinction);
     void keepLast();
+    void listRows();
+    void meetTiles();
     FloatPlane planeOf(const Real* entry, const Box2<int>& window) const;
     FloatPlane entryPlane(int s) const { return planeOf(m_entry.data() + std::size_t(s) * entryStride(), m_window); }
     const std::uint8_t* usedIn(int s) const { return m_used.data() + std::size_t(s) * m_window.pixelCount(); }
