@@ -32,8 +32,8 @@ constexpr double kNearest = 0.36;
 // and 0.3 % (2.5 edges: the same), which is what cells cannot resolve of the light of further collisions.
 constexpr double kNear = 1.5;
 
-// The mean transmittance over a path of optical depth `own`, whose middle lies at `middle`. A bundle of rays that grazes
-// a dense cell may lie at less than a half of the cell's own depth: nothing is brighter than where light enters.
+// The mean transmittance over a path of optical depth `own`, whose middle lies at `middle`. A bundle of rays that
+// grazes a dense cell may lie at less than a half of the cell's own depth: nothing is brighter than where light enters.
 double meanOverCell(double middle, double own) {
     return std::exp(-std::max(middle - 0.5 * own, 0.0)) * (own < 1e-6 ? 1 : -std::expm1(-own) / own);
 }
