@@ -304,6 +304,8 @@ class Exporter:
             return []
         out = {"name": self.names.of("World"), "type": "dome", **light_laws.shining(sky.color, 1.0)}
         self.light_passes[out["name"]] = "World"
+        if sky.clear is not None:
+            out.update(up=[0.0, 0.0, 1.0], rotation=sky.turn, sky=sky.clear)
         if sky.image is not None:
             # Cycles' pictures of skies have +x in their middle and z up; the turn that takes Scrim's y up to z has -y.
             out.update(up=[0.0, 0.0, 1.0], rotation=90.0 + sky.turn, texture=self.texture(sky.image))

@@ -376,6 +376,7 @@ class Sky:
     color: list
     image: object = None
     turn: float = 0.0  # degrees about z, counterclockwise from above
+    clear: dict | None = None  # `sky` of a dome; its sun is over -y before the turn
 
 
 def sky_of(world):
@@ -392,6 +393,8 @@ def sky_of(world):
         raise NotMapped(f"node '{node.name}'")
     strength = value_of(node.inputs["Strength"])
     source, _ = source_of(node.inputs["Color"])
+    if source is not None and source.bl_idname == "ShaderNodeTexSky":
+        return _clear_sky(source, strength.color) if max(strength.color) > 0 else None
     if source is None or source.bl_idname != "ShaderNodeTexEnvironment":
         color = strength.times(value_of(node.inputs["Color"])).color
         return Sky(color) if max(color) > 0 else None
@@ -400,6 +403,33 @@ def sky_of(world):
     if source.image is None or max(strength.color) <= 0:
         return None
     return Sky(strength.color, source.image, _turn(source))
+
+
+# Blender's skies after Nishita; what its newest versions call them.
+_CLEAR_SKIES = ("NISHITA", "SINGLE_SCATTERING", "MULTIPLE_SCATTERING")
+# Radiance 1 of Blender's sky is 1 W / (m^2 sr) of light as bright as at 555 nm, that is 683 lumens; in that of Scrim's
+# sky, 100000 lux are pi.
+_SKY_UNIT = 100e3 / (683 * math.pi)
+
+
+def _clear_sky(texture, color):
+    if texture.sky_type not in _CLEAR_SKIES:
+        raise NotMapped(f"the type {texture.sky_type} of node '{texture.name}'")
+    dust = texture.dust_density if hasattr(texture, "dust_density") else texture.aerosol_density
+    keys = {
+        "sun_elevation": max(min(math.degrees(texture.sun_elevation), 90.0), -90.0),
+        "altitude": max(min(float(texture.altitude), 60000.0), 0.0),
+        "air_density": float(texture.air_density),
+        "dust_density": float(dust),
+        "ozone_density": float(texture.ozone_density),
+        "ground_albedo": 0.0,  # Blender's sky is black below the horizon
+        "sun_disc": bool(texture.sun_disc),
+        "sun_size": max(min(math.degrees(texture.sun_size), 5.0), 0.05),
+        "sun_intensity": float(texture.sun_intensity),
+    }
+    # The sun's rotation is clockwise from +y.
+    turn = 180.0 - math.degrees(texture.sun_rotation) + _turn(texture)
+    return Sky([_SKY_UNIT * c for c in color], turn=turn, clear=keys)
 
 
 def _turn(texture):

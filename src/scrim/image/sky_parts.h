@@ -16,6 +16,9 @@ struct SkySun {
     double u = 0, v = 0;  ///< its centre, in [0, 1] from the picture's left and top
     double angle = 0;     ///< full angle of a disk of its solid angle, degrees
     Rgb light{0};         ///< integral over its solid angle of what it adds to the sky around it
+    /// Radiance of a sun that is not in the picture itself, from its lowest to its highest elevation, at the middles of
+    /// strips of equal heights; empty: it is in the picture.
+    std::vector<Rgb> rows = {};
 };
 
 struct SkyParts {

@@ -169,6 +169,7 @@ void checkLight(const Check& check, const Light& light) {
     check.light(k.intensity, light.intensity);
     if (light.samples != 0) check.number(k.samples, light.samples);
     if (!light.slide) return;
+    if (light.slide->sky) check.members(keysOf<SkyKeys>(), *light.slide->sky);
     const SlideKeys& s = keysOf<SlideKeys>();
     check.number(s.fov, light.slide->fov);
     check.number(s.width, light.slide->width);

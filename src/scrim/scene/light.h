@@ -15,6 +15,7 @@
 namespace scrim {
 
 class LightProfile;
+struct ClearSky;
 struct SkyParts;
 struct TriangleMesh;
 
@@ -36,6 +37,8 @@ struct Slide {
     bool split = true;                     ///< domes: suns in the picture become lights of their own
     /// Domes: the picture's suns and the rest (`image/sky_parts.h`), found where it is loaded; null: it is whole.
     std::shared_ptr<const SkyParts> parts = {};
+    /// Domes: the sky whose picture `image` and `parts` become where they are loaded; there is no file then.
+    std::shared_ptr<const ClearSky> sky = {};
 };
 
 /// The luminaire around a point or spot light: how its intensity depends on the direction.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 namespace scrim {
 namespace {
@@ -161,7 +162,29 @@ const Texture::Level& levelFor(const Texture& picture, double part) {
     return levels[level];
 }
 
+// What a pixel sees of a sun that is not in the picture: its disk with a border as wide as the pixel, or, of a small
+// sun, a disk of 1.6 pixels. The integral over all directions is that of the sun, and the sum over pixels within 7 %.
+Rgb sunSeen(const Light& sky, const SkySun& sun, const Vec3& direction, double pixel) {
+    constexpr double kLeast = 0.8;  // pixels; others add up less evenly
+    const double half = 0.5 * glm::radians(sun.angle), wide = std::max(half, kLeast * pixel);
+    const Vec3 center = domeDirection(sky, sun.u, sun.v);
+    const double away = 2 * std::asin(std::min(0.5 * glm::distance(direction, center), 1.0));
+    const double part = std::clamp((wide - away) / pixel + 0.5, 0.0, 1.0);
+    if (part == 0) return Rgb(0);
+    const Rgb seen = wide > half ? sun.light / (2 * std::numbers::pi * (1 - std::cos(half)))
+                                 : sunRadiance(sun, pictureOfDome(sky, direction).y);
+    return part * half * half / (wide * wide + pixel * pixel / 12) * seen;
+}
+
 }  // namespace
+
+Rgb sunRadiance(const SkySun& sun, double v) {
+    const double height = (sun.v - v) * 180 / sun.angle + 0.5;  // 0 to 1 from its lower rim to its upper one
+    const double last = static_cast<double>(sun.rows.size()) - 1;
+    const double at = std::clamp(height * (last + 1) - 0.5, 0.0, last), first = std::min(std::floor(at), last - 1);
+    const Rgb& low = sun.rows[static_cast<std::size_t>(first)];
+    return low + (at - first) * (sun.rows[static_cast<std::size_t>(first) + 1] - low);
+}
 
 Rgb skyAt(const Light& sky, const Vec3& direction) {
     return sky.slide ? skyOn(wideLevel(*sky.slide), sky, direction) : sky.intensity;
@@ -169,7 +192,10 @@ Rgb skyAt(const Light& sky, const Vec3& direction) {
 
 Rgb visibleSky(const Light& sky, const Vec3& direction, double angle) {
     if (!sky.slide) return sky.intensity;
-    return skyOn(levelFor(*sky.slide->image, angle / (2 * std::numbers::pi)), sky, direction);
+    Rgb light = skyOn(levelFor(*sky.slide->image, angle / (2 * std::numbers::pi)), sky, direction);
+    if (const SkySun* sun = sunBeside(*sky.slide))
+        light += sky.intensity * sunSeen(sky, *sun, direction, std::max(angle, 1e-6));
+    return light;
 }
 
 Rgb visibleSurface(const Light& light, const Vec3& ws, const Vec3& normal, const Vec3& direction, double pixel) {

@@ -21,6 +21,16 @@ inline const Texture& smoothPicture(const Slide& slide) {
     return slide.parts && slide.parts->smooth ? *slide.parts->smooth : *slide.image;
 }
 
+/// The sun of a dome that is not in its picture: that of a clear sky. Null: it has none.
+inline const SkySun* sunBeside(const Slide& slide) {
+    if (!slide.parts || slide.parts->suns.empty() || slide.parts->suns.front().rows.empty()) return nullptr;
+    return &slide.parts->suns.front();
+}
+
+/// The radiance of such a sun at the height v of the dome's picture, where it is seen; beyond its rims that of the
+/// nearer one. It has at least two rows.
+Rgb sunRadiance(const SkySun& sun, double v);
+
 /// The finest level of that picture that has at most 256 columns: what means over wide directions are computed from.
 const Texture::Level& wideLevel(const Slide& slide);
 

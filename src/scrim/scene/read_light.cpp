@@ -203,12 +203,25 @@ void readArea(TomlTable& table, const std::optional<TomlValue>& slide, const Rea
     light.kind = area;
 }
 
-/// Reads a dome, which has one colour or a picture.
+/// Reads a clear sky, whose picture is made later.
+Slide readSky(const TomlValue& value, const std::string& of, const ReadContext& context) {
+    Slide slide;
+    slide.where = value.where();
+    TomlTable table = value.table(fmt::format("{} of {}", k.sky, of));
+    ClearSky sky;
+    table.read(keysOf<SkyKeys>(), context.frame, sky);
+    table.finish();
+    slide.sky = std::make_shared<const ClearSky>(sky);
+    return slide;
+}
+
+/// Reads a dome, which has one colour, a picture or a clear sky.
 void readDome(TomlTable& table, const ReadContext& context, Light& light) {
     const TextureKeys& t = keysOf<TextureKeys>();
     light.kind = Light::Dome{table.numberAt(context.frame, k.rotation)};
     light.visible = table.boolean(k.visible);
-    const auto texture = table.find(k.texture);
+    const auto texture = table.find(k.texture), sky = table.find(k.sky);
+    if (sky) light.slide = readSky(*sky, table.description(), context);
     if (!texture) return;
     TomlTable picture = texture->table(fmt::format("{} of {}", k.texture, table.description()));
     light.slide = readPicture(picture, t.file, t.colorspace, context);

@@ -59,9 +59,9 @@ const std::vector<const Section*>& sceneSections() {
         &keysOf<PointsKeys>(),   &keysOf<MediumKeys>(),   &keysOf<AlbedoGridKeys>(), &keysOf<PhaseKeys>(),
         &keysOf<OctavesKeys>(),  &keysOf<EmissionKeys>(), &keysOf<BlackbodyKeys>(),  &keysOf<ClassifiedKeys>(),
         &keysOf<TransferKeys>(), &keysOf<MeshKeys>(),     &keysOf<LightKeys>(),      &keysOf<SlideKeys>(),
-        &keysOf<TextureKeys>(),  &keysOf<AmbientKeys>(),  &keysOf<RenderKeys>(),     &keysOf<OutputKeys>(),
-        &keysOf<FileKeys>(),     &keysOf<PreviewKeys>(),  &keysOf<HoldoutKeys>(),    &keysOf<KeyedKeys>(),
-        &keysOf<ColourKeys>()};
+        &keysOf<TextureKeys>(),  &keysOf<SkyKeys>(),      &keysOf<AmbientKeys>(),    &keysOf<RenderKeys>(),
+        &keysOf<OutputKeys>(),   &keysOf<FileKeys>(),     &keysOf<PreviewKeys>(),    &keysOf<HoldoutKeys>(),
+        &keysOf<KeyedKeys>(),    &keysOf<ColourKeys>()};
     return all;
 }
 

@@ -6,6 +6,7 @@
 #include <scrim/scene/output_keys.h>
 #include <scrim/scene/scene_key.h>
 #include <scrim/scene/volume_keys.h>
+#include <scrim/image/clear_sky.h>
 
 #include <vector>
 
@@ -189,6 +190,46 @@ struct TextureKeys : Section {
                                "shadows of their own. Their light stays in the layer of the dome.");
 };
 
+struct SkyKeys : SectionOf<ClearSky> {
+    SkyKeys()
+        : SectionOf(
+              "sky", "sky = { ... } of a [[light]] of type \"dome\"",
+              "A clear sky and its sun, computed from the air that sunlight passes; every key may be left out. The "
+              "sun stands over the middle of the picture: with rotation = 0 over +z, with 90 over +x. In its "
+              "light, 100000 lux are an irradiance of pi, so a white card in full sun has a radiance of about 1, "
+              "and a blue sky 0.03 to 0.3. The light's color, intensity and exposure are factors on that.") {}
+    const Key& sunElevation = number("sun_elevation", Range::fromTo(-90, 90, "degrees"), &ClearSky::sunElevation,
+                                     "The sun's height above the horizon; below 0 it has set, and the sky glows until "
+                                     "about -6.")
+                                  .keyed();
+    const Key& altitude = number("altitude", Range::fromTo(0, 60000, "metres"), &ClearSky::altitude,
+                                 "The height above the sea of the camera and of all that the sky lights.")
+                              .keyed();
+    const Key& airDensity = number("air_density", Range::fromTo(0, 10), &ClearSky::airDensity,
+                                   "The density of the air, relative to that on the Earth: it makes the sky blue, and "
+                                   "low suns red.")
+                                .keyed();
+    const Key& dustDensity =
+        number("dust_density", Range::fromTo(0, 10), &ClearSky::dustDensity,
+               "The density of dust and mist, relative to a clear day: it makes the sky around the "
+               "sun and at the horizon white.")
+            .keyed();
+    const Key& ozoneDensity = number("ozone_density", Range::fromTo(0, 10), &ClearSky::ozoneDensity,
+                                     "The density of ozone, relative to 300 Dobson units: it keeps the sky blue while "
+                                     "the sun sets.")
+                                  .keyed();
+    const Key& groundAlbedo = number("ground_albedo", Range::fromTo(0, 1), &ClearSky::groundAlbedo,
+                                     "The part of its light that the Earth below the horizon sends back.")
+                                  .keyed();
+    const Key& sunDisc = boolean("sun_disc", &ClearSky::sunDisc, "The sun itself is in the sky, and casts shadows.");
+    const Key& sunSize = number("sun_size", Range::fromTo(0.05, 5, "degrees"), &ClearSky::sunSize,
+                                "The sun's angular diameter; its irradiance stays the same.")
+                             .keyed();
+    const Key& sunIntensity = number("sun_intensity", Range::fromTo(0, 1e6), &ClearSky::sunIntensity,
+                                     "Factor on the light of the sun itself, not on that of the sky around it.")
+                                  .keyed();
+};
+
 struct LightKeys : Section {
     LightKeys()
         : Section("light", "[[light]]",
@@ -201,6 +242,7 @@ struct LightKeys : Section {
                   "(Cycles: a sun of strength E; vdb_render: a light of E / (4 pi)).") {
         exclude({&direction}, {&target});
         exclude({&orbit}, {&position});
+        exclude({&texture}, {&sky});
     }
     const Key& name = text("name", "a name", "Names its layer, and the light in --set light.NAME.intensity=3.")
                           .unless("\"light1\", ...");
@@ -279,6 +321,9 @@ struct LightKeys : Section {
             .keyed();
     const Key& texture =
         table(keysOf<TextureKeys>(), "texture", "The picture of the sky, which is multiplied by the colour.");
+    const Key& sky =
+        table(keysOf<SkyKeys>(), "sky", "A clear sky with its sun in place of a picture, multiplied by the colour.")
+            .onlyFor("dome");
     const Key& rotation =
         number("rotation", Range::fromTo(-1e15, 1e15, "degrees"), 0, "Turns the sky about 'up', from +z towards +x.")
             .onlyFor("dome")

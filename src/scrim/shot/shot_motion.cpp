@@ -31,6 +31,7 @@ namespace scrim {
 namespace {
 
 constexpr int kMostSamples = 128, kMostWithLens = 512;
+constexpr double kFinest = 0.7;    // pixels; no picture shows finer voxels than these one by one
 constexpr double kBlurPart = 0.7;  // of the promised error; squares of this and of what texels and sheets leave add up
 
 // The raster position of a point; no value where it is not in front of the camera.
@@ -324,8 +325,6 @@ double ShotMotion::longestPath() {
     const Camera& camera = places.front().camera;
     const double distance = glm::distance(glm::clamp(camera.wsPosition, box.lower, box.upper), camera.wsPosition);
     const double pixel = pixelAt(camera, std::max(distance, 0.25 * glm::length(box.size())));
-    // No picture shows finer voxels than these one by one.
-    constexpr double kFinest = 0.7;
     m_voxelPixels = std::max(voxelUnit(m_moments->inPlace(middle())) / pixel, kFinest);
     if (outlier.second > 0)
         notify(m_options.messages, Severity::warning,
@@ -396,11 +395,15 @@ int ShotMotion::samplesFor(double path) const {
     // hard at every voxel and blurred to 3 voxels.
     constexpr double kOfPlaces = 0.028;
     const bool lens = m_shot.scene.lens.has_value();
-    const double across = 0.5 * m_blur / m_voxelPixels;
+    // A lamp or mesh that is seen is as sharp as pixels are.
+    const bool seen = m_shot.solids && wants(m_moments->inPlace(middle()), Layer::backdrop);
+    const double across = 0.5 * m_blur / (seen ? kFinest : m_voxelPixels);
     if (lens) most += std::numbers::pi * across * across * kOfPlaces / error;
     // Moments and places together are a set in three dimensions, whose gaps close more slowly.
     if (lens && m_moves) most *= 3;
-    const double wanted = std::min(wantedSamples(error, most), most);
+    // Where pixels bound the number, pilots up to it would take longer than they save.
+    constexpr double kMostPilots = 32;
+    const double wanted = std::min(wantedSamples(error, seen ? std::min(most, kMostPilots) : most), most);
     const int limit = lens ? kMostWithLens : kMostSamples;
     if (wanted > limit)
         notify(m_options.messages, Severity::warning,
@@ -431,7 +434,9 @@ double ShotMotion::wantedSamples(double error, double most) const {
             const Moment moment = momentOf(i, count);
             ViewScene coarse = moments.moved(moment.time, sceneAt(moment));
             coarse.dials = *presetDials(presetNames().front());
-            const ViewScene pilot = pilotView(std::move(coarse), kPilotEdge);
+            const bool backdrop = wants(coarse, Layer::backdrop);
+            ViewScene pilot = pilotView(std::move(coarse), kPilotEdge);
+            if (backdrop) pilot.layers = {Layer::backdrop};  // a lamp that is seen is blurred, too
             mean.add(scrim::render(pilot, makePlan(pilot, threadCount(), waits), waits));
         }
         return mean.take().image;

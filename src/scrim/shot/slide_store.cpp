@@ -58,7 +58,22 @@ auto located(const std::string& where, const std::string& owner, const Load& loa
 void SlideStore::loadInto(Scene& scene, const LoadOptions& load, const MessageSink& messages,
                           const Checkpoint& checkpoint) {
     loadPictures(scene, load, messages, checkpoint);
+    makeSkies(scene);
     loadProfiles(scene, load, checkpoint);
+}
+
+void SlideStore::makeSkies(Scene& scene) {
+    const auto before = std::exchange(m_made, {});
+    for (Light& light : scene.lights) {
+        if (!light.slide || !light.slide->sky) continue;
+        const ClearSky& sky = *light.slide->sky;
+        SkyPicture& picture = m_made[sky];
+        if (const auto known = before.find(sky); known != before.end()) picture = known->second;
+        if (!picture.image)
+            picture = located(light.slide->where, ownerOf(light), [&] { return skyPicture(sky, m_colour); });
+        light.slide->image = picture.image;
+        light.slide->parts = picture.parts;
+    }
 }
 
 void SlideStore::loadProfiles(Scene& scene, const LoadOptions& load, const Checkpoint& checkpoint) {
@@ -103,6 +118,7 @@ std::size_t SlideStore::bytes() const {
     std::size_t sum = 0;
     for (const auto& [key, image] : m_images) sum += image ? image->bytes() : 0;
     for (const auto& [key, sky] : m_skies) sum += sky && sky->smooth ? sky->smooth->bytes() : 0;
+    for (const auto& [sky, picture] : m_made) sum += picture.image ? picture.image->bytes() : 0;
     for (const auto& [file, profile] : m_profiles) sum += profile ? profile->bytes() : 0;
     return sum;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/image/clear_sky.h>
 #include <scrim/image/colour.h>
 #include <scrim/image/light_profile.h>
 #include <scrim/image/sky_parts.h>
@@ -23,8 +24,8 @@ class SlideStore {
     explicit SlideStore(ColourConfig colour) : m_colour(std::move(colour)) {}
 
     /// Loads the picture of every slide and of the backplate, and the profile of every luminaire of `scene` that names
-    /// a file, and forgets those of the previous frame that this one does not use. A guarded load calls `checkpoint`
-    /// while it waits. Throws Error(input) "scene.toml:12:18: light 'key': ...".
+    /// a file, makes the pictures of clear skies, and forgets those of the previous frame that this one does not use. A
+    /// guarded load calls `checkpoint` while it waits. Throws Error(input) "scene.toml:12:18: light 'key': ...".
     void loadInto(Scene& scene, const LoadOptions& load, const MessageSink& messages, const Checkpoint& checkpoint);
 
     /// Memory of all of them.
@@ -34,11 +35,14 @@ class SlideStore {
     using Key = std::pair<std::string, std::string>;  // file and colour space
 
     void loadPictures(Scene& scene, const LoadOptions& load, const MessageSink& messages, const Checkpoint& checkpoint);
+    /// Makes the pictures of computed skies; one that the previous frame had is kept.
+    void makeSkies(Scene& scene);
     void loadProfiles(Scene& scene, const LoadOptions& load, const Checkpoint& checkpoint);
 
     ColourConfig m_colour;
     std::map<Key, std::shared_ptr<const Texture>> m_images;
-    std::map<Key, std::shared_ptr<const SkyParts>> m_skies;                 // of domes
+    std::map<Key, std::shared_ptr<const SkyParts>> m_skies;  // of domes
+    std::map<ClearSky, SkyPicture> m_made;
     std::map<std::string, std::shared_ptr<const LightProfile>> m_profiles;  // by file
 };
 

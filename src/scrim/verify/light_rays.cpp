@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/light_rays.h>
 
+#include <scrim/scene/picture_cells.h>
 #include <scrim/solid/mesh_parts.h>
 #include <scrim/verify/running_sums.h>
 
@@ -128,6 +129,13 @@ LightRays::LightRays(const Light& light) : m_light(light), m_frame(lightFrame(li
         }
         m_rows.push_back(all += share * row);
     }
+    m_sun = sunBeside(*light.slide);
+    if (m_sun == nullptr) return;
+    m_toSun = domeDirection(light, m_sun->u, m_sun->v);
+    const double half = std::sin(glm::radians(0.25 * m_sun->angle)),
+                 sun = m_sun->light.x + m_sun->light.y + m_sun->light.z;
+    m_sunDepth = 2 * half * half;
+    m_sunPart = sun / (sun + all * 2 * kPi / level.width);
 }
 
 Rgb LightRays::pictureAt(double u, double v) const {
@@ -227,6 +235,18 @@ LightRay LightRays::fromMesh(const ShiningMesh::Seen& seen, const Vec3& ws, cons
     return {to / distance, kBefore * distance, m_light.intensity * (facing / (chosen->chance * distance * distance))};
 }
 
+// The radiance of the sun beside the picture, but for the light's colour.
+Rgb LightRays::sunAt(const Vec3& toLight) const {
+    if (m_sun == nullptr || 1 - glm::dot(toLight, m_toSun) > m_sunDepth) return Rgb(0);
+    return sunRadiance(*m_sun, pictureOfDome(m_light, toLight).y);
+}
+
+LightRay LightRays::fromSun(const Vec2& square) const {
+    const Vec3 toLight = inCone(m_toSun, m_sunDepth, square);
+    const Rgb radiance = sunRadiance(*m_sun, pictureOfDome(m_light, toLight).y);
+    return {toLight, kInfinity, m_light.intensity * radiance * (2 * kPi * m_sunDepth)};
+}
+
 // Chooses a pixel in proportion to its light, and a place within it.
 LightRay LightRays::fromPicture(const Vec2& square) const {
     const Texture::Level& level = m_light.slide->image->levels().front();
@@ -260,13 +280,17 @@ double LightRays::density(const Vec3& toLight) const {
     if (!m_light.dome() || !m_light.slide || !(m_rows.back() > 0)) return 0;
     const Vec2 at = pictureOfDome(m_light, toLight);
     const Rgb value = pictureAt(at.x, at.y);
-    return (value.x + value.y + value.z) / (m_rows.back() * 2 * kPi / m_light.slide->image->levels().front().width);
+    const double ofPicture =
+        (value.x + value.y + value.z) / (m_rows.back() * 2 * kPi / m_light.slide->image->levels().front().width);
+    if (m_sun == nullptr) return ofPicture;
+    const bool inSun = 1 - glm::dot(toLight, m_toSun) <= m_sunDepth;
+    return (1 - m_sunPart) * ofPicture + (inSun ? m_sunPart / (2 * kPi * m_sunDepth) : 0);
 }
 
 LightRay LightRays::from(const Vec3& ws, const Vec3& toLight) const {
     if (m_light.dome()) {
         const Vec2 at = m_light.slide ? pictureOfDome(m_light, toLight) : Vec2(0);
-        return {toLight, kInfinity, m_light.intensity * pictureAt(at.x, at.y)};
+        return {toLight, kInfinity, m_light.intensity * (pictureAt(at.x, at.y) + sunAt(toLight))};
     }
     const SeenLight seen = seenLight(m_light, ws, toLight);
     return {toLight, seen.distance, seen.radiance * pictureAt(seen.onPicture.x, seen.onPicture.y)};
@@ -274,6 +298,14 @@ LightRay LightRays::from(const Vec3& ws, const Vec3& toLight) const {
 
 LightRay LightRays::ray(const Vec3& ws, const Vec2& square) const {
     if (m_light.dome()) {
+        if (m_sun != nullptr) {
+            const bool sun = square.x < m_sunPart;
+            const double part = sun ? m_sunPart : 1 - m_sunPart;
+            const Vec2 own((sun ? square.x : square.x - m_sunPart) / part, square.y);
+            LightRay ray = sun ? fromSun(own) : fromPicture(own);
+            ray.weight /= part;
+            return ray;
+        }
         if (m_light.slide) return fromPicture(square);
         return {inCone(Vec3(0, 0, 1), 2, square), kInfinity, m_light.intensity * (4 * kPi)};
     }

@@ -15,6 +15,8 @@
 
 namespace scrim {
 
+struct SkySun;
+
 /// One ray towards a light.
 struct LightRay {
     Vec3 toLight{0};      ///< unit
@@ -36,7 +38,7 @@ class LightRays {
     /// What comes from a direction (unit): the light's radiance there, or nothing. Not for meshes.
     LightRay from(const Vec3& ws, const Vec3& toLight) const;
     bool knowsRadiance() const { return !m_light.area() || !m_light.area()->surface; }
-    /// The density, per steradian, with which `ray` chooses a direction of a dome's picture; 0 for other lights.
+    /// The density, per steradian, with which `ray` chooses a direction of a dome with a picture; 0 for other lights.
     double density(const Vec3& toLight) const;
 
   private:
@@ -46,6 +48,8 @@ class LightRays {
     LightRay fromSphere(const Vec3& ws, const Vec2& square) const;
     LightRay fromMesh(const ShiningMesh::Seen& seen, const Vec3& ws, const Vec2& square) const;
     LightRay fromPicture(const Vec2& square) const;
+    LightRay fromSun(const Vec2& square) const;
+    Rgb sunAt(const Vec3& toLight) const;
     Rgb pictureAt(double u, double v) const;
     bool sendsIntoLess(const Vec3& ws) const;
 
@@ -54,6 +58,11 @@ class LightRays {
     ShiningMesh m_mesh;  // small triangles
     // For a dome's picture: running sums of light over rows, and over the pixels of each row.
     std::vector<double> m_rows, m_pixels;
+    // A dome's sun that is not in its picture, its direction, 1 - cos of its radius, and the part of the square that is
+    // the sun's: that of its light.
+    const SkySun* m_sun = nullptr;
+    Vec3 m_toSun{0};
+    double m_sunDepth = 0, m_sunPart = 0;
 };
 
 /// What a light sends to a point: one ray, or those of its extent.

@@ -12,7 +12,7 @@ import pytest
 from lookalikes import link, node
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "plugins", "blender"))
-from scrim import exr, export, motion  # noqa: E402
+from scrim import exr, export, motion, nodes  # noqa: E402
 from scrim.scrim_kit import Failure, photometry  # noqa: E402
 
 UNIT = [[1.0, 0, 0, 0], [0, 1.0, 0, 0], [0, 0, 1.0, 0], [0, 0, 0, 1.0]]
@@ -173,6 +173,15 @@ def test_a_world_is_a_dome(world):
         {"name": "World", "type": "dome", "color": [1, 0.5, 0.5], "intensity": 0.2}
     ]  # fmt: skip
     assert world.exporter.world(None) == []
+
+
+def test_a_sky_texture_is_a_dome_with_a_clear_sky(world, monkeypatch):
+    sky = nodes.Sky([23.3, 23.3, 23.3], turn=170.0, clear={"sun_elevation": 20.0})
+    monkeypatch.setattr(export.nodes, "sky_of", lambda _: sky)
+    assert world.exporter.world(SimpleNamespace(name="World")) == [
+        {"name": "World", "type": "dome", "color": [1, 1, 1], "intensity": 23.3, "up": [0, 0, 1], "rotation": 170,
+         "sky": {"sun_elevation": 20}}
+    ]  # fmt: skip
 
 
 def test_pictures_of_skies_are_linked_or_written(world):

@@ -269,9 +269,30 @@ def test_a_world_with_a_picture_turns_about_z():
     assert nodes.sky_of(with_picture("TEXTURE")).turn == pytest.approx(math.degrees(0.5))
 
 
+def with_sky(kind="NISHITA", dust="dust_density", **more):
+    made, background = world(strength=0.5)
+    values = {"sky_type": kind, "sun_elevation": 0.5, "sun_rotation": 0.2, "sun_size": math.radians(0.545),
+              "sun_intensity": 1.0, "sun_disc": True, "altitude": 300.0, "air_density": 1.0, dust: 2.0,
+              "ozone_density": 3.0, **more}  # fmt: skip
+    fed(background, "Color", node("ShaderNodeTexSky", "Sky", Vector=None, values=values))
+    return made
+
+
+@pytest.mark.parametrize(("kind", "dust"), [("NISHITA", "dust_density"), ("MULTIPLE_SCATTERING", "aerosol_density")])
+def test_a_sky_texture_is_a_clear_sky(kind, dust):
+    sky = nodes.sky_of(with_sky(kind, dust))
+    assert sky.clear["sun_elevation"] == pytest.approx(math.degrees(0.5)) and sky.clear["dust_density"] == 2
+    assert sky.clear["sun_size"] == pytest.approx(0.545) and sky.clear["altitude"] == 300 and sky.clear["sun_disc"]
+    # Irradiance pi is 100000 lux, which are 146.4 of Blender's watts of light as bright as can be.
+    assert sky.color == pytest.approx([0.5 * 100000 / 683 / math.pi] * 3)
+    # The rotation of a dome about z starts at -y and is counterclockwise; that of the node starts at +y, clockwise.
+    assert sky.turn == pytest.approx(180 - math.degrees(0.2))
+
+
 @pytest.mark.parametrize(
     "made, text",
     [
+        (with_sky("PREETHAM"), "the type PREETHAM of node 'Sky'"),
         (with_picture(turn=(0.1, 0, 0)), "a rotation about x or y by node 'Turn'"),
         (with_picture(projection="MIRROR_BALL"), "the projection MIRROR_BALL of node 'Sky'"),
         (with_picture(output="Camera"), "node 'Where'"),

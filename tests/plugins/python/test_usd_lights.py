@@ -189,6 +189,26 @@ def test_a_domes_picture_stands_as_openexr_says(tmp_path, kind, up, turn):
     assert seen_towards(stage, expected) > 3 * seen_towards(stage, -expected)
 
 
+def test_a_dome_with_a_sky_of_scrim_has_its_sun_over_the_middle(tmp_path):
+    """The attributes of a clear sky, one of them by frame; other renderers have the picture."""
+    stage = Stage(tmp_path)
+    stage.camera(place=(0, 0, 20), ortho=0.6)
+    stage.dust()
+    dome = stage.light("DomeLight", intensity=1.0)
+    dome.GetTextureFileAttr().Set(Sdf.AssetPath("sky.exr"))
+    dome.AddRotateYOp().Set(90.0)
+    elevation = dome.GetPrim().CreateAttribute("scrim:sky:sun_elevation", Sdf.ValueTypeNames.Float)
+    elevation.Set(20.0, 1)
+    elevation.Set(40.0, 2)
+    dome.GetPrim().CreateAttribute("scrim:visible", Sdf.ValueTypeNames.Bool).Set(True)
+    shot = stage.open()
+    table = shot.scene(1)["light"][0]
+    assert table["sky"] == {"sun_elevation": 20.0} and "texture" not in table and table["visible"] is True
+    assert shot.scene(2)["light"][0]["sky"] == {"sun_elevation": 40.0}
+    assert scene_direction(table, 0.5) == pytest.approx([1, 0, 0], abs=1e-6)
+    assert seen_towards(stage, Gf.Vec3d(1, 0.4, 0).GetNormalized()) > 2 * seen_towards(stage, Gf.Vec3d(-1, 0.4, 0).GetNormalized())
+
+
 def scene_direction(table, u):
     """examples/SCENES.md: the middle of the picture is +z, a quarter to the right of it -x, for `up` = +y."""
     turn = Gf.Rotation(Gf.Vec3d.YAxis(), table["rotation"]).TransformDir(

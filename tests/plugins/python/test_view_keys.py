@@ -118,6 +118,32 @@ def test_frames_between_keys_are_played(keyed):
     assert played[1:] == [(played[0] - 1 + step) % 9 + 1 for step in range(1, 10)]
 
 
+def test_a_sun_that_sets_is_seen_at_each_frame_and_raised_by_a_slider(tmp_path, python_path):
+    """The sky behind the smoke, its elevation keyed: the picture is that of `scrim render` of what is saved."""
+    sky = '\n[[light]]\nname = "sky"\ntype = "dome"\nvisible = true\nsamples = 12\n'
+    sky += "sky = { sun_elevation = { keys = [[1, 30], [9, -2]] } }\n"
+    path = tmp_path / "shot.toml"
+    path.write_text(SMOKE.replace("[output]", sky + "[output]"))
+    viewer = Viewer(path, python_path)
+    browser = viewer.browser()
+    try:
+        day = browser.until_exact()
+        assert day[0, 0, 2] > 1.5 * day[0, 0, 0] and day[0, 0, 3] == 1  # blue
+        browser.send(type="frame", number=9, done=True)
+        dusk = browser.until_exact()
+        assert dusk[0, 0, 2] < 0.05 * day[0, 0, 2]
+        browser.send(type="set", id="light.sky.sky.sun_elevation", value=10.0, done=True)
+        raised = browser.until_exact()
+        assert raised[0, 0, 2] > 10 * dusk[0, 0, 2]
+        browser.send(type="save")
+        browser.until(lambda m: m["type"] == "state" and not m["changed"])
+        assert "sun_elevation = { keys = [[1, 30], [9, 10.0]] }" in path.read_text()
+        assert numpy.array_equal(scrim.open(path).render(9).image.astype(numpy.float16), raised)
+    finally:
+        browser.close()
+        viewer.close()
+
+
 # ---- phase functions
 
 

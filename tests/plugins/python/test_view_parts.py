@@ -275,6 +275,15 @@ def test_controls_accept_what_their_keys_hold():
     assert control.is_fixed and not control.accepts([1.0, 1.0, 1.0])
 
 
+def test_a_clear_sky_has_controls_of_its_sun_and_air():
+    sky = SMOKE + '\n[[light]]\nname = "sky"\ntype = "dome"\nsky = { sun_elevation = { keys = [[1, 9], [3, 5]] } }\n'
+    groups = _controls.groups_of(tomlkit.parse(sky).unwrap(), UP, 2)
+    controls = {control.id: control for group in groups for control in group.controls}
+    assert controls["light.sky.sky.sun_elevation"].value == 7 and controls["light.sky.sky.dust_density"].value == 1
+    assert controls["light.sky.sky.sun_disc"].accepts(False)
+    assert not any(name.startswith("light.key.sky") for name in controls)
+
+
 # ---- what the engine tells
 
 

@@ -3,6 +3,7 @@
 #include "scenes.h"
 #include "support/meshes.h"
 
+#include <scrim/image/clear_sky.h>
 #include <scrim/scene/light_surface.h>
 #include <scrim/verify/reference.h>
 
@@ -61,6 +62,65 @@ TEST(Backdrop, IsASkyThroughWhatTheVolumesLetThrough) {
                 (std::exp(-20 * kSigma) + std::exp(-10 * kSigma) + std::exp(-5 * kSigma)) / 3, 3e-4);
     scene.lights.front().visible = false;
     expectPixel(renderScene(scene), Rgb(0), 0, 0);
+}
+
+// A clear sky around the eye of `scene`, whose sun stands where it looks, over the middle of the picture (-z).
+Light clearSky(const ClearSky& sky) {
+    Light light;
+    light.name = "sky";
+    light.kind = Light::Dome{180};
+    light.visible = true;
+    const SkyPicture picture = skyPicture(sky, ColourConfig::open(""));
+    light.slide.emplace();
+    light.slide->image = picture.image;
+    light.slide->parts = picture.parts;
+    return light;
+}
+
+// The sum of the sun's pixels is its irradiance, whether it fills many of them or a part of one; haze dims it as all.
+TEST(Backdrop, IsAClearSkyWithItsSunThroughHaze) {
+    ViewScene scene = behindHaze();
+    scene.camera = {};
+    scene.camera.wsPosition = {0, 0, 100};
+    scene.camera.resolution = {40, 40};
+    ClearSky sky;
+    sky.sunElevation = 0.15;
+    sky.airDensity = sky.dustDensity = sky.ozoneDensity = sky.groundAlbedo = 0;  // a black sky
+    for (const double fov : {2.0, 8.0, 40.0}) {
+        scene.camera.fov = fov;
+        scene.region = {0, 0, 40, 40};
+        scene.lights = {clearSky(sky)};
+        const Rgb light = scene.lights.front().slide->parts->suns.front().light;
+        const Frame frame = renderScene(scene);
+        const double pixel = 2 * std::tan(fov * kPi / 360) / 40;
+        Rgb sum(0);
+        for (int y = 0; y < 40; ++y)
+            for (int x = 0; x < 40; ++x)
+                for (int c = 0; c < 3; ++c) sum[c] += pixelOf(frame, x, y)[std::size_t(c)] * pixel * pixel;
+        const double left = std::exp(-20 * kSigma);
+        // With few pixels in it, it counts which of them have their middle in its border.
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c] / (left * light[c]), 1, fov < 5 ? 0.02 : 0.08) << fov;
+        EXPECT_EQ(pixelOf(frame, 0, 0)[3], 1);
+        EXPECT_EQ(pixelOf(frame, 0, 0)[0], 0);
+    }
+}
+
+// What the sky lights, before the sky that is seen: by the reference, which chooses its rays by the sky and the sun.
+TEST(Backdrop, LightsTheHazeBeforeAClearSky) {
+    ViewScene scene = haze(kSigma);
+    ClearSky sky;
+    sky.sunElevation = 25;
+    scene.lights = {clearSky(sky)};
+    scene.lights.front().shadow = ShadowMethod::buffers;
+    scene.layers = {Layer::light, Layer::backdrop};
+    const Frame frame = renderScene(scene);
+    const Reference reference(scene);
+    for (int i = 3; i < 18; i += 3) {
+        const auto truth = reference.pixel(i, 9), seen = pixelOf(frame, i, 9);
+        for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(seen[c] / truth[c], 1, 0.02) << i << " " << c;
+    }
+    scene.lights.front().slide->parts = nullptr;  // without its sun
+    EXPECT_LT(pixelOf(renderScene(scene), 9, 9)[0], 0.8 * pixelOf(frame, 9, 9)[0]);
 }
 
 // A surface in the middle of the haze, half-way through: light and eye pass 9.5 units of it each, the light on a slant.

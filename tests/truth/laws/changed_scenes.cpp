@@ -179,7 +179,10 @@ ViewScene exchanged(const ViewScene& scene) {
         light.slide->image = swapped(light.slide->image);
         if (!light.slide->parts) continue;
         SkyParts parts = *light.slide->parts;
-        for (SkySun& sun : parts.suns) sun.light = swapped(sun.light);
+        for (SkySun& sun : parts.suns) {
+            sun.light = swapped(sun.light);
+            for (Rgb& row : sun.rows) row = swapped(row);
+        }
         parts.smooth = swapped(parts.smooth);
         light.slide->parts = std::make_shared<const SkyParts>(std::move(parts));
     }

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include <glm/trigonometric.hpp>
 
@@ -216,7 +217,11 @@ void addLight(Lines& out, Draws& d, std::size_t number, std::size_t meshes) {
     if (type == "distant" && slide) out.add("position", d.point(0.5));
     if (type == "distant" && !slide && d.once(0.4)) out.add("angle", d.of({5.0, 0.5, 40.0, 120.0}));
     if (type == "dome" && d.once(0.4)) {
-        out.add("texture", d.once(0.5) ? "{ file = \"made.exr\", split = false }" : "{ file = \"made.exr\" }");
+        const bool whole = d.once(0.5);
+        if (!whole && number % 2 == 1)  // without a draw, which would change all scenes that were known before
+            out.add("sky", "{ sun_elevation = 40 }");
+        else
+            out.add("texture", whole ? "{ file = \"made.exr\", split = false }" : "{ file = \"made.exr\" }");
         out.note("light.dome.picture");
         if (d.once(0.4)) out.add("rotation", d.between(0, 360));
     }
@@ -367,6 +372,17 @@ std::shared_ptr<const Texture> madePicture(Draws& d, int width, int height, doub
     });
 }
 
+// A sky as a clear one is: its sun, redder below, is not in the picture.
+std::shared_ptr<const SkyParts> skyPartsBeside(const std::shared_ptr<const Texture>& picture, double brightness) {
+    SkyParts parts{{}, picture};
+    if (brightness > 0) {
+        const Rgb low(6, 3, 1), high(6, 6, 6);
+        const double angle = 2, solidAngle = 2 * std::numbers::pi * (1 - std::cos(glm::radians(0.5 * angle)));
+        parts.suns.push_back({0.5, 0.3, angle, 0.5 * (low + high), {low / solidAngle, high / solidAngle}});
+    }
+    return std::make_shared<const SkyParts>(parts);
+}
+
 std::shared_ptr<const LightProfile> madeProfile() {
     FilePhotometry file;
     file.vertical = {0, 30, 60, 90, 180};
@@ -379,8 +395,11 @@ void loadLights(ViewScene& view, const std::vector<Solid>& solids, Draws& d) {
     for (Light& light : view.lights) {
         if (light.slide) {
             const double sun = light.dome() && d.once(0.5) ? 400 : 0;
-            light.slide->image = light.dome() ? madePicture(d, 24, 12, sun) : madePicture(d, 7, 5, 0);
-            if (light.dome() && light.slide->split)
+            light.slide->image =
+                light.dome() ? madePicture(d, 24, 12, light.slide->sky ? 0 : sun) : madePicture(d, 7, 5, 0);
+            if (light.slide->sky)
+                light.slide->parts = skyPartsBeside(light.slide->image, sun);
+            else if (light.dome() && light.slide->split)
                 light.slide->parts = std::make_shared<const SkyParts>(skyParts(*light.slide->image));
         }
         if (light.luminaire) light.luminaire->profile = madeProfile();
@@ -481,6 +500,7 @@ const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
                                                                        {"slide.colorspace", files},
                                                                        {"slide.height", same},
                                                                        {"texture.", files},
+                                                                       {"sky.", files},
                                                                        {"light.target", same},
                                                                        {"light.orbit", same},
                                                                        {"light.up", same},

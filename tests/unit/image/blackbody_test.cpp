@@ -134,7 +134,7 @@ TEST(Blackbody, NeedsASpaceItKnowsTheWayFrom) {
         EXPECT_EQ(error.kind(), ErrorKind::input);
         EXPECT_EQ(error.what(), "the OpenColorIO config '" + config.name() +
                                     "' has neither linear Rec.709 nor ACES2065-1; expected one of them, from which the "
-                                    "colours of black bodies come");
+                                    "colours of black bodies and skies come");
     }
 }
 

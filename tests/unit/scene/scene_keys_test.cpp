@@ -91,6 +91,7 @@ const std::map<std::string, std::vector<std::string>>& places() {
         {"texture",
          {kCamera + kVolume + kDome + "[light.texture]\n@",
           kCamera + kVolume + kDome + "[light.texture]\nfile = \"a.exr\"\n@"}},
+        {"sky", {kCamera + kVolume + kDome + "[light.sky]\n@"}},
         {"slide",
          {kCamera + kVolume + kLight + "position = [0, 0, 0]\n[light.slide]\n@",
           kCamera + kVolume + kLight + "position = [0, 0, 0]\n[light.slide]\nfile = \"a.png\"\n@",

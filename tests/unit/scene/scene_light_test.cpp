@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/scene_reader.h>
 
+#include <scrim/image/clear_sky.h>
+
 #include "unit/scene/read_scene.h"
 
 #include <gtest/gtest.h>
@@ -254,6 +256,37 @@ TEST(SceneLight, ReadsADomeWithAColourOrAPicture) {
     ASSERT_TRUE(picture.slide);
     EXPECT_NE(picture.slide->file.find("sky.exr"), std::string::npos);
     EXPECT_EQ(picture.slide->colorspace, "ACEScg");
+}
+
+TEST(SceneLight, ReadsADomeWithAClearSky) {
+    const std::string dome = "type = \"dome\"\n";
+    const Light plain = light(dome + "sky = {}\n");
+    ASSERT_TRUE(plain.dome() && plain.slide && plain.slide->sky);
+    EXPECT_EQ(*plain.slide->sky, ClearSky());
+    EXPECT_TRUE(plain.slide->file.empty());
+    EXPECT_EQ(plain.slide->where, "scene.toml:8:7");
+    const std::string keyed =
+        "sky = { sun_elevation = { keys = [[1, 30], [11, 10]] }, altitude = 1500, air_density = "
+        "1.5, dust_density = 2, ozone_density = 3, ground_albedo = 0.4, sun_disc = false, "
+        "sun_size = 1, sun_intensity = 0.25 }\n";
+    const ClearSky sky = *light(dome + keyed, 6).slide->sky;
+    EXPECT_EQ(sky, (ClearSky{20, 1500, 1.5, 2, 3, 0.4, false, 1, 0.25}));
+    EXPECT_NE(sky, *light(dome + keyed, 7).slide->sky);
+}
+
+TEST(SceneLight, SaysWhatIsWrongWithAClearSky) {
+    const std::string dome = "type = \"dome\"\n";
+    EXPECT_EQ(lightError(dome + "sky = { sun_elevation = 95 }\n"),
+              "scene.toml:8:25: 'sun_elevation' is 95; expected a number from -90 to 90 degrees");
+    EXPECT_EQ(lightError(dome + "sky = { dust_density = -1 }\n"),
+              "scene.toml:8:24: 'dust_density' is -1; expected a number from 0 to 10");
+    EXPECT_EQ(lightError(dome + "sky = { turbidity = 3 }\n"),
+              "scene.toml:8:9: 'turbidity' is not known here ('sky' of [[light]] 'light1' of type 'dome'); allowed: "
+              "'sun_elevation', 'altitude', 'air_density', 'dust_density', 'ozone_density', 'ground_albedo', "
+              "'sun_disc', 'sun_size' or 'sun_intensity'");
+    EXPECT_EQ(lightError(dome + "sky = {}\ntexture = { file = \"a.exr\" }\n"),
+              "scene.toml:9:11: [[light]] has both 'sky' and 'texture'; expected one of them");
+    EXPECT_NE(lightError("type = \"point\"\nposition = [0, 0, 0]\nsky = {}\n").find("'sky'"), std::string::npos);
 }
 
 // 6500 K is near white, and candles are red; both have the luminance of [1, 1, 1].

@@ -461,7 +461,7 @@ TEST(SceneBlackbody, NeedsAConfigThatKnowsItsColours) {
     } catch (const Error& error) {
         EXPECT_EQ(error.what(), "scene.toml:7:13: 'blackbody': the OpenColorIO config '" + file +
                                     "' has neither linear Rec.709 nor ACES2065-1; expected one of them, from which the "
-                                    "colours of black bodies come");
+                                    "colours of black bodies and skies come");
     }
 }
 

@@ -3,12 +3,14 @@
 #include "support/meshes.h"
 #include "support/slides.h"
 
+#include <scrim/image/sky_parts.h>
 #include <scrim/verify/light_rays.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
 
 #include <glm/geometric.hpp>
@@ -192,6 +194,42 @@ TEST(LightRays, OfADomeAreItsPicture) {
                         (std::cos(kPi * y / kHeight) - std::cos(kPi * (y + 1) / kHeight)) *
                         weight(domeDirection(sky, (x + 0.5) / kWidth, (y + 0.5) / kHeight));
     EXPECT_NEAR(integral(sky, Vec3(0), 300, weight), expected, 1e-3 * expected);
+}
+
+// A sun beside the picture, of light 2 and 6 in its lower and upper half: rays choose it by its light.
+TEST(LightRays, OfADomeHoldTheSunBesideItsPicture) {
+    Light sky;
+    sky.kind = Light::Dome{25};
+    sky.slide.emplace();
+    sky.slide->image = makeTexture(90, 45, [](int x, int) { return Rgb(1 + x % 3); });
+    const double solidAngle = 2 * kPi * (1 - std::cos(2 * kPi / 180));
+    SkyParts parts{{}, sky.slide->image};
+    parts.suns.push_back({0.5, 0.3, 4, Rgb(4), {Rgb(2 / solidAngle), Rgb(6 / solidAngle)}});
+    const auto weight = [](const Vec3& to) { return 2 + to.x + 0.5 * to.y * to.z; };
+    const double without = integral(sky, Vec3(0), 300, weight);
+    sky.slide->parts = std::make_shared<const SkyParts>(parts);
+    const Vec3 toSun = domeDirection(sky, 0.5, 0.3);
+    EXPECT_NEAR(integral(sky, Vec3(0), 300, weight) - without, 4 * weight(toSun), 5e-3 * 4 * weight(toSun));
+    const LightRays rays(sky);
+    const Vec3 beside = domeDirection(sky, 0.5, 0.32);
+    EXPECT_NEAR(rays.from(Vec3(0), toSun).weight.x, 4 / solidAngle, 3);
+    const Vec3 lower = domeDirection(sky, 0.5, 0.3 + 1.5 / 180), upper = domeDirection(sky, 0.5, 0.3 - 1.5 / 180);
+    EXPECT_NEAR(rays.from(Vec3(0), lower).weight.x, 2 / solidAngle, 3);  // at the middle of the lower strip and below
+    EXPECT_NEAR(rays.from(Vec3(0), upper).weight.x, 6 / solidAngle, 3);
+    EXPECT_LT(rays.from(Vec3(0), beside).weight.x, 4);
+    // The density is that of the rays: as many of them are in the sun, and its integral is 1.
+    double within = 0, whole = 0;
+    constexpr int kSquares = 200, kRows = 900;
+    for (int i = 0; i < kSquares * kSquares; ++i) {
+        const LightRay ray = rays.ray(Vec3(0), (Vec2(i % kSquares, i / kSquares) + 0.5) / double(kSquares));
+        if (glm::dot(ray.toLight, toSun) > std::cos(2 * kPi / 180)) within += 1.0 / (kSquares * kSquares);
+    }
+    for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < 2 * kRows; ++x)
+            whole += rays.density(domeDirection(sky, (x + 0.5) / (2 * kRows), (y + 0.5) / kRows)) *
+                     std::sin(kPi * (y + 0.5) / kRows) * kPi * kPi / (kRows * kRows);
+    EXPECT_NEAR(within / solidAngle / rays.density(toSun), 1, 0.02);
+    EXPECT_NEAR(whole, 1, 2e-3);
 }
 
 }  // namespace

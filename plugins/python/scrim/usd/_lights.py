@@ -328,6 +328,8 @@ def read(reading: Reading, item: Item, scale: float, sidecar: _own.Sidecar) -> t
     out = light.table(reading.name(item), kind(light))
     _own.merge(out, _own.attributes(reading, prim))
     _own.merge(out, sidecar.of(prim))
+    if "sky" in out:
+        out.pop("texture", None)  # the picture is for renderers that do not know the sky
     return out, light
 
 

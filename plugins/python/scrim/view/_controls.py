@@ -26,6 +26,16 @@ _QUANTITIES = {"distant": "irradiance", "area": "radiance", "dome": "radiance"} 
 )
 
 
+def _add_sky(make: Maker) -> None:
+    """The place of the sun, and what is in the air."""
+    make.add("sun elevation", "number", ("sky", "sun_elevation"), 15.0, least=-10.0, most=90.0, unit="°")
+    for part in ("air", "dust", "ozone"):
+        make.add(part, "number", ("sky", f"{part}_density"), 1.0, least=0.0, most=10.0)
+    make.add("altitude", "number", ("sky", "altitude"), 0.0, least=0.0, most=20000.0, unit="m")
+    make.add("sun", "switch", ("sky", "sun_disc"), True)
+    make.add("sun intensity", "number", ("sky", "sun_intensity"), 1.0, least=0.0, most=10.0)
+
+
 def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
     name = name_of("light", index, light)
     make = Maker(light, ("light", index), f"light.{name}")
@@ -59,6 +69,8 @@ def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
         make.add("blend", "number", ("blend",), 0.15)
     if kind == "dome":
         make.add("rotation", "number", ("rotation",), 0.0, least=-180.0, most=180.0, unit="°")
+        if make.has("sky"):
+            _add_sky(make)
     if kind == "area" and light.get("shape") in ("rectangle", "disk"):
         make.add("spread", "number", ("spread",), 180.0, least=1.0, most=180.0, unit="°")
     make.add("shadows", "switch", ("shadows",), True)

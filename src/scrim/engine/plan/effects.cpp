@@ -96,8 +96,9 @@ Effect shadows(const ViewScene& scene, const Plan& plan) {
 }
 
 Effect slides(const ViewScene& scene, const Plan& plan) {
-    const bool any = std::ranges::any_of(scene.lights, [](const Light& light) { return bool(light.slide); });
-    return lightsThat(scene, plan, ".slide", [](const Light& l) { return nameIf(bool(l.slide), l.name); })
+    const auto has = [](const Light& light) { return light.slide && !light.slide->sky; };
+    const bool any = std::ranges::any_of(scene.lights, has);
+    return lightsThat(scene, plan, ".slide", [&](const Light& light) { return nameIf(has(light), light.name); })
         .effect("slides", "of ", any ? "every light with a slide is culled" : "no light has a slide");
 }
 
@@ -137,7 +138,8 @@ Effect depthPicture(const ViewScene& scene) {
 }
 
 std::string extent(const Light& light) {
-    if (light.dome()) return light.slide ? "a dome with a picture" : "a dome";
+    if (light.dome())
+        return !light.slide ? "a dome" : light.slide->sky ? "a dome with a clear sky" : "a dome with a picture";
     if (!light.area()) return fmt::format("a sun of {:.3g} degrees", std::get<Light::Distant>(light.kind).angle);
     constexpr const char* kShapes[] = {"a rectangle", "a disk", "a sphere", "a cylinder", "a mesh"};
     return kShapes[std::size_t(light.area()->shape)];
@@ -147,6 +149,7 @@ std::string extent(const Light& light) {
 std::string sunsText(const SkyParts& parts) {
     std::vector<std::string> angles;
     for (const SkySun& sun : parts.suns) angles.push_back(fmt::format("{:.2g}", sun.angle));
+    if (!parts.suns.front().rows.empty()) return fmt::format(" and a sun of {} degrees", angles.front());
     return fmt::format(" and {} sun{} in its picture, of {} degrees", angles.size(), angles.size() == 1 ? "" : "s",
                        fmt::join(angles, ", "));
 }
