@@ -28,7 +28,7 @@ struct SampleRows {
             for (int k = 0; k < kTileEdge; ++k) all |= std::bit_cast<Bits>(values[k]);
             if (all == 0) continue;
             first = std::min(first, row);
-            end = row + 1;
+            end = std::max(end, row + 1);
         }
     }
 };
