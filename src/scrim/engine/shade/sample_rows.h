@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of a tile's samples that shows anything.
+// Values at a tile's samples: 256 floats, in rows of 16.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -12,7 +12,12 @@
 
 namespace scrim {
 
-/// Rows [first, end) of a tile's 16 x 16 samples.
+inline void addTimes(Real weight, const Real* values, Real* sum) {
+    if (weight == 0) return;
+    for (int k = 0; k < kTileSize; ++k) sum[k] += weight * values[k];
+}
+
+/// The rows [first, end) of a tile's samples in which there is something.
 struct SampleRows {
     int first = kTileEdge, end = 0;
 

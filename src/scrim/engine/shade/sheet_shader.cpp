@@ -27,11 +27,6 @@ void copyTile(const PlaneStack& planes, int p, int tx, int ty, Real* to) {
         std::memcpy(to + y * kTileEdge, from, kTileEdge * sizeof(Real));
 }
 
-void addTimes(Real weight, const Real* row, Real* sum) {
-    if (weight == 0) return;
-    for (int k = 0; k < kTileSize; ++k) sum[k] += weight * row[k];
-}
-
 }  // namespace
 
 // The data of a tile's samples. It is memory of the thread that only grows, so that shading a tile allocates nothing.
@@ -300,8 +295,10 @@ bool SheetShader::shadeCells(int p, const SampleTile& samples, const Int2& cells
 // Lights what the rows hold.
 bool SheetShader::shadeGathered(int p, const SampleTile& samples, Rows& rows, Real* out, ShadeWork& work) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
-    const SampleRows lit = this->lit(rows);
+    SampleRows lit;
+    for (int i = 0; i < m_plan.extinction.count(); ++i) lit.include(rows.total[std::size_t(i)].values);
     if (!lit.any() && !glows(rows)) return false;
+    addLit(rows, lit);
     if (surfacesAlone())
         for (std::size_t i = 0; i < lights.shadows.size(); ++i) {
             Real *const enters = rows.tauIn[i].values, *const leaves = rows.tauOut[i].values;
@@ -491,11 +488,11 @@ void SheetShader::classify(int p, const SampleTile& at, const std::uint8_t* open
     }
 }
 
-// The samples with extinction, which alone reflect light.
-SampleRows SheetShader::lit(const Rows& rows) const {
-    SampleRows lit;
-    for (int i = 0; i < m_plan.extinction.count(); ++i) lit.include(rows.total[std::size_t(i)].values);
-    return lit;
+// Adds the samples that reflect light. Where all extinction has been rounded to 0, there may be scattering.
+void SheetShader::addLit(const Rows& rows, SampleRows& lit) const {
+    for (std::size_t i = 0; i < m_media.size(); ++i)
+        for (std::size_t c = 0; c < 3 && m_mediumVolumes[i].volume->scatter[c] != nullptr; ++c)
+            lit.include(rows.scatter[3 * i + c].values);
 }
 
 bool SheetShader::glows(const Rows& rows) const {

@@ -69,7 +69,7 @@ class SheetShader {
     void classify(int p, const SampleTile& at, const std::uint8_t* open, bool onward, Rows& rows,
                   ShadeWork& work) const;
     bool shadeGathered(int p, const SampleTile& samples, Rows& rows, Real* out, ShadeWork& work) const;
-    SampleRows lit(const Rows& rows) const;
+    void addLit(const Rows& rows, SampleRows& lit) const;
     bool glows(const Rows& rows) const;
     void chooseScattered(const std::vector<CellLight>& cellLight);
     void lookUpScattered(int sheet, const SampleTile& samples, Rows& rows) const;

@@ -60,7 +60,7 @@ bool FieldSplatter::isScattered(const SparseField& field) {
 
 std::size_t FieldSplatter::bytesOfBlocks(const SparseField& field) {
     constexpr std::size_t kOrder = 8, kRow = 4;
-    return field.blockCount() * (kOrder + kRow + (isScattered(field) ? sizeof(Bounds) : 0));
+    return field.blockCount() * (kOrder + kRow + (isScattered(field) ? sizeof(Bounds) + 8 : 0));
 }
 
 FieldSplatter::FieldSplatter(FieldSplatter&&) noexcept = default;
@@ -154,7 +154,7 @@ void FieldSplatter::markBands(int firstSheet, int lastSheet, const PlaneStack& p
                               std::vector<std::uint8_t>& marked) const {
     const int all = bands(planes);
     for (const std::uint32_t b : m_orders.front().touching(firstSheet, lastSheet))
-        marked[std::size_t(bandOf(m_rows[b], all))] = 1;
+        if (touches(b, firstSheet, lastSheet)) marked[std::size_t(bandOf(m_rows[b], all))] = 1;
     for (const std::uint32_t t : tilesTouching(firstSheet, lastSheet)) {
         const ConstantTile& tile = m_field.tiles[t];
         const Bounds ts = transformed(m_tsFromIs, Bounds{Vec3(tile.origin), Vec3(tile.origin + Int3(tile.edge - 1))});
@@ -178,29 +178,24 @@ void FieldSplatter::tighten() {
     if (!isScattered(m_field)) return;
     Mat4 offset = m_tsFromIs;
     offset[3] = {0, 0, 0, 1};
+    // Voxels are splatted from the nearest step, and slopes reach a step beyond kernels from there.
+    const double step = 1.0 / m_table.texelSteps();
+    const Vec3 reach = m_footprint + Vec3(step, step, 0);
     m_live.resize(m_field.blockCount());
     parallelFor(m_live.size(), [&](std::size_t b) {
         const Bounds live = liveVoxels(b);
         if (live.empty()) return;
         const Bounds ts = transformed(offset, live);
-        m_live[b] = {ts.lower - m_footprint, ts.upper + m_footprint};
+        m_live[b] = {ts.lower - reach, ts.upper + reach};
     });
-    // Only the blocks that have any are kept, by the sheets that these touch.
-    std::vector<std::pair<std::int32_t, std::uint32_t>> blocks;
-    SheetOrder& order = m_orders.front();
-    order = {};
-    for (std::uint32_t b = 0; b < m_live.size(); ++b) {
+    // Blocks keep their order, on which sums depend.
+    constexpr auto kNever = std::numeric_limits<std::int32_t>::max();
+    m_touched.resize(m_live.size(), {kNever, kNever});
+    for (std::size_t b = 0; b < m_live.size(); ++b) {
         if (m_live[b].empty()) continue;
         const double n = transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b])).z;
-        const int first = firstTouched(m_table, n + m_live[b].lower.z + m_footprint.z);
-        const int last = lastTouched(m_table, n + m_live[b].upper.z - m_footprint.z);
-        order.span = std::max(order.span, last - first + 2);
-        blocks.emplace_back(first, b);
-    }
-    std::sort(blocks.begin(), blocks.end());
-    for (const auto& [first, b] : blocks) {
-        order.cubes.push_back(b);
-        order.firstSheets.push_back(first);
+        m_touched[b] = {firstTouched(m_table, n + m_live[b].lower.z + reach.z),
+                        lastTouched(m_table, n + m_live[b].upper.z - reach.z) + 1};
     }
 }
 
@@ -245,7 +240,7 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
 
     std::vector<std::pair<std::uint32_t, Vec3>> blocks;
     for (const std::uint32_t b : touching)
-        if (bandOf(m_rows[b], target.bands) == target.band)
+        if (touches(b, firstSheet, lastSheet) && bandOf(m_rows[b], target.bands) == target.band)
             blocks.emplace_back(b, transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b])));
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         // Blocks are scattered over memory, and each is soon done; the one after the next is prefetched meanwhile.
@@ -314,7 +309,8 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const Bounds& reach, const flo
     const Box2<int> under = tilesUnder(ts, reach);
     const Box2<int> tiles = intersection(under, {0, 0, target.planes[0].tilesX(), target.planes[0].tilesY()});
     if (tiles.empty()) return;
-    if (*target.cull && (*target.cull)(under)) return;
+    // Whole blocks are culled, whatever is in them.
+    if (*target.cull && (*target.cull)(tilesUnder(ts, m_reach))) return;
     // Tables extend a little beyond the kernel: one texel before it, and rows are rounded up behind it.
     constexpr double kBefore = 2, kBehind = 6;
     target.splat.clipped = ts.x + reach.lower.x < kBefore || ts.y + reach.lower.y < kBefore ||

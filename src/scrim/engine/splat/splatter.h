@@ -80,6 +80,9 @@ class FieldSplatter {
     struct Target;
     static bool isScattered(const SparseField& field);
     Box2<int> tilesUnder(const Vec3& tsOrigin, const Bounds& reach) const;
+    bool touches(std::uint32_t block, int firstSheet, int lastSheet) const {
+        return m_touched.empty() || (m_touched[block].first < lastSheet && m_touched[block].second > firstSheet);
+    }
     int bandOf(int row, int bands) const;
     int bandOf(const Vec3& tsOrigin, int bands) const { return bandOf(tilesUnder(tsOrigin, m_reach).y0, bands); }
     void prefetchBlock(std::uint32_t block) const;
@@ -104,8 +107,9 @@ class FieldSplatter {
     Vec3 m_footprint;                  // half the extent of a voxel's footprint in texel space
     Bounds m_reach;                    // offsets of a block's voxels in texel space, including their footprints
     std::vector<Bounds> m_live;        // the same for each block's voxels that are not 0; empty: not known
-    std::vector<SheetOrder> m_orders;  // of the blocks, and of each size of tiles
-    int m_bandTiles;                   // rows of tiles in a band, more than a block touches
+    std::vector<std::pair<std::int32_t, std::int32_t>> m_touched;  // the sheets [first, second) that these may touch
+    std::vector<SheetOrder> m_orders;                              // of the blocks, and of each size of tiles
+    int m_bandTiles;                                               // rows of tiles in a band, more than a block touches
 };
 
 }  // namespace scrim
