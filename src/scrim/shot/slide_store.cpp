@@ -63,12 +63,12 @@ void SlideStore::loadInto(Scene& scene, const LoadOptions& load, const MessageSi
 }
 
 void SlideStore::makeSkies(Scene& scene) {
-    const auto before = std::exchange(m_made, {});
+    auto before = std::exchange(m_made, {});
     for (Light& light : scene.lights) {
         if (!light.slide || !light.slide->sky) continue;
         const ClearSky& sky = *light.slide->sky;
         SkyPicture& picture = m_made[sky];
-        if (const auto known = before.find(sky); known != before.end()) picture = known->second;
+        if (!picture.image) picture = before[sky];
         if (!picture.image)
             picture = located(light.slide->where, ownerOf(light), [&] { return skyPicture(sky, m_colour); });
         light.slide->image = picture.image;

@@ -205,7 +205,7 @@ void addExtended(Lines& out, Choices& c, int number) {
 // What came later than the corpus: lamps and skies, and a volume of much larger or smaller voxels.
 void addMore(Lines& out, Choices& c) {
     if (c.once(2)) {
-        const double scale = c.word({"small", "large"})[0] == 's' ? 0.125 : 8;
+        const double scale = c.below(2) == 0 ? 0.125 : 8;
         addVolume(out, c, fmt::format("[{0}, {0}, {0}]", scale));
     }
     for (int i = c.below(3); i > 0; --i) addExtended(out, c, i);

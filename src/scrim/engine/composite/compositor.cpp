@@ -47,14 +47,14 @@ struct Compositor::SeeingTiles {
     Box2<int> box;
     std::vector<std::uint8_t> marked{};  // for each tile of the box; empty: all of them may
 
+    std::size_t indexOf(int tx, int ty) const { return std::size_t((ty - box.y0) * box.width() + tx - box.x0); }
     bool anyIn(int ty) const {
         if (box.empty() || ty < box.y0 || ty >= box.y1) return false;
-        const auto first = std::size_t(ty - box.y0) * std::size_t(box.width());
-        return marked.empty() || std::memchr(marked.data() + first, 1, std::size_t(box.width())) != nullptr;
+        return marked.empty() ||
+               std::memchr(marked.data() + indexOf(box.x0, ty), 1, std::size_t(box.width())) != nullptr;
     }
     bool contains(int tx, int ty) const {
-        return box.contains(tx, ty) &&
-               (marked.empty() || marked[std::size_t((ty - box.y0) * box.width() + tx - box.x0)] != 0);
+        return box.contains(tx, ty) && (marked.empty() || marked[indexOf(tx, ty)] != 0);
     }
 };
 
@@ -356,16 +356,16 @@ Compositor::SeeingTiles Compositor::tilesThatSee(const Range& range, const Plane
 void Compositor::markSeeing(const Range& range, const PlaneStack& planes, SeeingTiles& seeing) const {
     const Box2<int>& all = seeing.box;
     seeing.marked.assign(all.pixelCount(), 0);
-    for (int p = range.firstPlane; p < range.lastPlane; ++p)
+    for (int p = range.firstPlane; p < range.lastPlane; ++p) {
+        const double middle = range.sheet + p - range.firstPlane + 0.5;
         for (int ty = 0; ty < planes.tilesY(); ++ty)
             planes.forActive(p, ty, [&](int tx) {
-                const double middle = range.sheet + p - range.firstPlane + 0.5;
                 const auto seen = m_eye.seenBy(texelsAround({tx, ty, tx + 1, ty + 1}), middle);
                 const Box2<int> by = seen ? intersection(m_tiles.tilesIn(*seen), all) : all;
                 for (int y = by.y0; y < by.y1; ++y)
-                    for (int x = by.x0; x < by.x1; ++x)
-                        seeing.marked[std::size_t((y - all.y0) * all.width() + x - all.x0)] = 1;
+                    for (int x = by.x0; x < by.x1; ++x) seeing.marked[seeing.indexOf(x, y)] = 1;
             });
+    }
 }
 
 template <class TilesOf, class Walk>

@@ -311,8 +311,9 @@ bool SheetShader::shadeGathered(int p, const SampleTile& samples, Rows& rows, Re
             if (!lights.shadows[i]) continue;
             Real* const tau = rows.tauIn[i].values;
             std::fill_n(tau, kTileSize, Real(0));
-            if (const int at = lit.begin(); lit.any())
-                lights.shadows[i]->lookUpPoints(p, samples.u + at, samples.v + at, lit.count(), tau + at);
+            if (!lit.any()) continue;
+            const int at = lit.begin();
+            lights.shadows[i]->lookUpPoints(p, samples.u + at, samples.v + at, lit.count(), tau + at);
         }
     addCoarserShadows(p, samples, rows);
     addFinerShadows(p, samples, rows);

@@ -156,8 +156,7 @@ void FieldSplatter::markBands(int firstSheet, int lastSheet, const PlaneStack& p
     for (const std::uint32_t b : m_orders.front().touching(firstSheet, lastSheet))
         if (touches(b, firstSheet, lastSheet)) marked[std::size_t(bandOf(m_rows[b], all))] = 1;
     for (const std::uint32_t t : tilesTouching(firstSheet, lastSheet)) {
-        const ConstantTile& tile = m_field.tiles[t];
-        const Bounds ts = transformed(m_tsFromIs, Bounds{Vec3(tile.origin), Vec3(tile.origin + Int3(tile.edge - 1))});
+        const Bounds ts = tsBoxOf(m_field.tiles[t].origin, m_field.tiles[t].edge);
         const auto first = marked.begin() + bandOf(ts.lower, all), last = marked.begin() + bandOf(ts.upper, all);
         std::fill(first, last + 1, std::uint8_t{1});
     }
@@ -260,6 +259,11 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
     return target.footprints;
 }
 
+// The box around the voxels of a cube.
+Bounds FieldSplatter::tsBoxOf(const Int3& origin, int edge) const {
+    return transformed(m_tsFromIs, {Vec3(origin), Vec3(origin + Int3(edge - 1))});
+}
+
 // The tiles that a block's footprints may touch, some possibly outside of the planes.
 Box2<int> FieldSplatter::tilesUnder(const Vec3& ts, const Bounds& reach) const {
     const auto tile = [](double texel) { return static_cast<int>(std::floor(texel / kTileEdge)); };
@@ -280,8 +284,7 @@ void FieldSplatter::prefetchBlock(std::uint32_t b) const {
 
 // Halves a tile until its pieces are blocks or miss the sheets.
 void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values, Target& target) const {
-    const Bounds is{Vec3(origin), Vec3(origin + Int3(edge - 1))};
-    const Bounds ts = transformed(m_tsFromIs, is);
+    const Bounds ts = tsBoxOf(origin, edge);
     if (lastTouched(m_table, ts.upper.z) < target.splat.firstSheet ||
         firstTouched(m_table, ts.lower.z) >= target.splat.lastSheet)
         return;

@@ -79,6 +79,7 @@ class FieldSplatter {
   private:
     struct Target;
     static bool isScattered(const SparseField& field);
+    Bounds tsBoxOf(const Int3& origin, int edge) const;
     Box2<int> tilesUnder(const Vec3& tsOrigin, const Bounds& reach) const;
     bool touches(std::uint32_t block, int firstSheet, int lastSheet) const {
         return m_touched.empty() || (m_touched[block].first < lastSheet && m_touched[block].second > firstSheet);
