@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/light/light_sweep.h>
+#include <scrim/engine/light/volume_shine.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/plan/make_plan.h>
 #include <scrim/engine/plan/transport_plan.h>
@@ -291,8 +292,7 @@ void Baking::sweep(const GroupPlan& group, const ProgressSink& progress) {
 // Adds light that has scattered before to `out`: its mean radiance to what volumes that scatter more than once
 // scatter, as irradiance from all sides.
 void addScattered(const ViewScene& given, bool indirect, const ProgressSink& progress, std::vector<BakedVolume>& out) {
-    ViewScene scene = given;
-    scene.layers = {Layer::indirect, Layer::ambient};  // keeps apart what has not scattered, and ambient light
+    const ViewScene scene = withScatteredApart(given);
     const TransportPlan plan = planTransport(scene, indirect);
     if (!plan.any()) return;
     Solved solved;

@@ -8,6 +8,7 @@
 #include <scrim/engine/composite/compositor.h>
 #include <scrim/engine/level_sweep.h>
 #include <scrim/engine/light/backdrop.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/light/solid_shadow.h>
 #include <scrim/engine/shade/sheet_shader.h>
 #include <scrim/engine/passes/light_cells.h>
@@ -225,7 +226,9 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
     const auto goOn = [&](double done) {
         if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
     };
-    const auto backdrop = hasBackdrop(scene) ? std::make_unique<const BackdropRays>(scene, [&] { goOn(0); }) : nullptr;
+    std::unique_ptr<const BackdropRays> backdrop;
+    if (hasBackdrop(scene))
+        backdrop = std::make_unique<const BackdropRays>(scene, planForBackdrop(scene), [&] { goOn(0); });
     if (backdrop) beginBackdrop(*backdrop, frame);
     const auto add = [&](const GroupPlan& group, const PixelTiles& tiles, Frame& to) {
         resolve(scene, plan, group, tiles, to);

@@ -337,8 +337,8 @@ struct MeshKeys : SectionOf<SceneMesh> {
     const Key& color =
         colour("color", "none",
                "Shows the mesh, with alpha, as a matte surface of this colour, 0 to 1: lit by all lights, through the "
-               "volumes, and in the shadows of meshes. It is for judging a shot; light that volumes scatter or emit "
-               "does not reach it. The picture then has the layer 'backdrop'. Needs holdout = true.");
+               "volumes, in the shadows of meshes, and by what volumes scatter and emit. It is for judging a shot. The "
+               "picture then has the layer 'backdrop'. Needs holdout = true.");
 };
 
 struct CombineKeys : Section {

@@ -3,6 +3,7 @@
 #include <scrim/geometry/even_points.h>
 #include <scrim/verify/reference.h>
 #include <scrim/base/split_mix.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/image/sky_parts.h>
 #include <scrim/scene/phase_over_caps.h>
 
@@ -97,7 +98,7 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
     for (const ViewVolume& volume : scene.volumes)
         if (volume.classified) m_step = std::min(m_step, options.classifiedStep * m_voxel);
     m_wsBounds = wsBounds(scene);
-    if (hasBackdrop(scene)) m_backdrop = std::make_unique<const Backdrop>(scene);
+    if (hasBackdrop(scene)) m_backdrop = std::make_unique<const Backdrop>(scene, planForBackdrop(scene), [] {});
     m_lights = lightsSent(scene.lights);
     // The error of n x n rays shrinks at least as 1 / n^2, and samples along an eye ray have independent errors.
     // The light of a mesh jumps from triangle to triangle, so it takes more.

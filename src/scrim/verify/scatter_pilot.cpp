@@ -141,8 +141,8 @@ double steadyCell(double cell) {
 ScatterChoice chooseScattering(const ScatterPilot& pilot, const Dials& dials, double error) {
     // Where directions alone leave more than is promised, cells much finer than that would cost time for nothing. What
     // directions leave is smooth, though, and cells blur relief and thin rims: lit from behind with g = 0.85, Disney's
-    // cloud (0.15 of optical depth a voxel) is 3.5, 2.4 and 2.0 % off with cells of 4, 2.8 and 2 voxels, and 1.8 % of it
-    // is left with cells of one. So cells get half of what is promised at least.
+    // cloud (0.15 of optical depth a voxel) is 3.5, 2.4 and 2.0 % off with cells of 4, 2.8 and 2 voxels, and 1.8 % off
+    // with cells of one. So cells get half of what is promised at least.
     constexpr double kLeast = 0.5, kMostOfDirections = 0.866;
     // Time relative to 64 ordinates: more of them are in the last sweep only, or half of them are.
     constexpr double kCost[] = {1, 1.6, 2.2};

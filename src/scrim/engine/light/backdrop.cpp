@@ -18,19 +18,25 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-bool coloured(const Solid& solid) {
-    return solid.color.has_value();
+bool anyColoured(const ViewScene& scene) {
+    return scene.solids &&
+           std::ranges::any_of(scene.solids->all(), [](const Solid& solid) { return solid.color.has_value(); });
 }
 
 }  // namespace
 
 bool hasBackdrop(const ViewScene& scene) {
-    return wants(scene, Layer::backdrop) && (std::ranges::any_of(scene.lights, &Light::visible) ||
-                                             (scene.solids && std::ranges::any_of(scene.solids->all(), coloured)));
+    return wants(scene, Layer::backdrop) && (std::ranges::any_of(scene.lights, &Light::visible) || anyColoured(scene));
 }
 
-Backdrop::Backdrop(const ViewScene& scene)
-    : m_scene(scene), m_rays(wsRays(scene.camera)), m_pixel(pixelAt(scene.camera, 1)), m_light(scene) {}
+bool backdropIsLitByVolumes(const ViewScene& scene) {
+    return wants(scene, Layer::backdrop) && anyColoured(scene) && anyShines(scene);
+}
+
+Backdrop::Backdrop(const ViewScene& scene, const TransportPlan& again, const Checkpoint& checkpoint)
+    : m_scene(scene), m_rays(wsRays(scene.camera)), m_pixel(pixelAt(scene.camera, 1)), m_light(scene) {
+    if (backdropIsLitByVolumes(scene)) m_shine = std::make_unique<const VolumeShine>(scene, again, checkpoint);
+}
 
 Backdrop::Met Backdrop::meets(double x, double y) const {
     const Vec3 origin = m_rays.origin(x, y), way = m_rays.direction(x, y), direction = glm::normalize(way);
@@ -63,6 +69,10 @@ Rgb Backdrop::lightOn(const Met& met) const {
     return m_light.irradiance(met.ws, met.normal) / std::numbers::pi + m_scene.ambient;
 }
 
+Rgb Backdrop::shineOn(const Met& met) const {
+    return m_shine ? m_shine->irradiance(met.ws, met.normal) / std::numbers::pi : Rgb(0);
+}
+
 namespace {
 
 std::array<double, 4> shown(const Backdrop::Met& met, const Rgb& light) {
@@ -73,69 +83,114 @@ std::array<double, 4> shown(const Backdrop::Met& met, const Rgb& light) {
 // A square of rays, and those of the next row and column.
 class BackdropBlock {
   public:
-    static constexpr int kEdge = 8;
+    static constexpr int kEdge = 16;
 
-    BackdropBlock(const Backdrop& backdrop, const Int2& first, int antialias) : m_backdrop(backdrop) {
+    BackdropBlock(const Backdrop& backdrop, const Int2& first, int antialias) {
         for (int y = 0; y <= kEdge; ++y)
             for (int x = 0; x <= kEdge; ++x)
                 m_met[y][x] = backdrop.meets((first.x + x + 0.5) / antialias, (first.y + y + 0.5) / antialias);
-        fillRays(
-            Int2(0), kEdge, [&](const Int2& at) { return m_met[at.y][at.x].solid != nullptr; },
-            [&](const Int2& from, int edge) { return isEven(from, edge); },
-            [&](const Int2& at) -> const Rgb& { return lightAt(at); },
-            [&](const Int2& at, const InSquare& place, const auto&... corners) {
-                m_filled[at.y][at.x] = place.between(corners...);
+        constexpr int kSquare = 8;
+        constexpr double kAlike = 0.01, kMost = 0.3;
+        fill(
+            m_light, kSquare, [&](const Backdrop::Met& met) { return backdrop.lightOn(met); },
+            [](const Int2&, const Square& light) { return light.range() <= kAlike * largest(light.most); });
+        // What volumes send has no sharp shadows, so that it may be nearly linear where it is not even.
+        fill(
+            m_shine, kEdge, [&](const Backdrop::Met& met) { return backdrop.shineOn(met); },
+            [&](const Int2& from, const Square& light) {
+                const double all = largest(light.most) + largest(m_light.filled[from.y][from.x]);
+                return light.bend <= 2 * kAlike * all && light.range() <= kMost * all;
             });
     }
     std::array<double, 4> at(int x, int y) const {
-        return m_met[y][x].solid != nullptr ? shown(m_met[y][x], m_filled[y][x]) : m_met[y][x].shines;
+        return m_met[y][x].solid != nullptr ? shown(m_met[y][x], m_light.filled[y][x] + m_shine.filled[y][x])
+                                            : m_met[y][x].shines;
     }
 
   private:
-    // True if all rays of a square meet one plane of one solid, and the light is about the same at its corners and in
-    // its middle.
-    bool isEven(const Int2& from, int edge) {
-        constexpr double kPlane = 1 - 1e-6, kAlike = 0.01;
+    // One kind of light at the rays: where it was asked for, and at all rays.
+    struct Kind {
+        std::optional<Rgb> known[kEdge + 1][kEdge + 1];
+        Rgb filled[kEdge][kEdge];
+    };
+
+    // Light at the corners of a square and in its middle.
+    struct Square {
+        Rgb least{kInfinity}, most{0};
+        double bend = 0;  // by how much the middle differs from the mean of the corners
+        double range() const { return largest(most - least); }
+    };
+
+    // `square`: the edge of the largest parts that are interpolated; isEven(first ray, light) says whether they may be.
+    template <class LightOn, class IsEven>
+    void fill(Kind& kind, int square, const LightOn& lightOn, const IsEven& isEven) {
+        const auto lightAt = [&](const Int2& at) -> const Rgb& {
+            std::optional<Rgb>& light = kind.known[at.y][at.x];
+            if (!light) light = lightOn(m_met[at.y][at.x]);
+            return *light;
+        };
+        for (int y = 0; y < kEdge; y += square)
+            for (int x = 0; x < kEdge; x += square)
+                fillRays(
+                    Int2(x, y), square, [&](const Int2& at) { return m_met[at.y][at.x].solid != nullptr; },
+                    [&](const Int2& from, int edge) {
+                        return isPlane(from, edge) && isEven(from, squareOf(from, edge, lightAt));
+                    },
+                    lightAt,
+                    [&](const Int2& at, const InSquare& place, const auto&... corners) {
+                        kind.filled[at.y][at.x] = place.between(corners...);
+                    });
+    }
+
+    // True if all rays of a square meet one plane of one solid.
+    bool isPlane(const Int2& from, int edge) const {
+        constexpr double kPlane = 1 - 1e-6;
         const Backdrop::Met& first = m_met[from.y][from.x];
         if (first.solid == nullptr) return false;
         for (int y = from.y; y <= from.y + edge; ++y)
             for (int x = from.x; x <= from.x + edge; ++x)
                 if (m_met[y][x].solid != first.solid || glm::dot(m_met[y][x].normal, first.normal) < kPlane)
                     return false;
-        Rgb least(kInfinity), most(0);
-        for (const Int2& at : {Int2(0), Int2(edge, 0), Int2(0, edge), Int2(edge), Int2(edge / 2)}) {
-            least = glm::min(least, lightAt(from + at));
-            most = glm::max(most, lightAt(from + at));
+        return true;
+    }
+
+    template <class LightAt>
+    static Square squareOf(const Int2& from, int edge, const LightAt& lightAt) {
+        Square out;
+        const Rgb& middle = lightAt(from + edge / 2);
+        Rgb bend = -middle;
+        for (const Int2& at : {Int2(0), Int2(edge, 0), Int2(0, edge), Int2(edge)}) {
+            const Rgb& light = lightAt(from + at);
+            out.least = glm::min(out.least, light);
+            out.most = glm::max(out.most, light);
+            bend += 0.25 * light;
         }
-        return largest(most - least) <= kAlike * largest(most);
+        out.least = glm::min(out.least, middle);
+        out.most = glm::max(out.most, middle);
+        out.bend = largest(glm::abs(bend));
+        return out;
     }
 
-    const Rgb& lightAt(const Int2& at) {
-        std::optional<Rgb>& light = m_light[at.y][at.x];
-        if (!light) light = m_backdrop.lightOn(m_met[at.y][at.x]);
-        return *light;
-    }
-
-    const Backdrop& m_backdrop;
     Backdrop::Met m_met[kEdge + 1][kEdge + 1];
-    std::optional<Rgb> m_light[kEdge + 1][kEdge + 1];
-    Rgb m_filled[kEdge][kEdge];
+    Kind m_light, m_shine;
 };
 
 }  // namespace
 
 std::array<double, 4> Backdrop::at(double x, double y) const {
     const Met met = meets(x, y);
-    return met.solid != nullptr ? shown(met, lightOn(met)) : met.shines;
+    return met.solid != nullptr ? shown(met, lightOn(met) + shineOn(met)) : met.shines;
 }
 
 std::size_t BackdropRays::bytes(const ViewScene& scene) {
-    return hasBackdrop(scene) ? supersampled(scene.region, scene.dials.antialias).pixelCount() * sizeof(float) * 4 : 0;
+    if (!hasBackdrop(scene)) return 0;
+    const std::size_t shine = backdropIsLitByVolumes(scene) ? VolumeShine::bytes() : 0;
+    return shine + supersampled(scene.region, scene.dials.antialias).pixelCount() * sizeof(float) * 4;
 }
 
-BackdropRays::BackdropRays(const ViewScene& scene, const Checkpoint& checkpoint)
+BackdropRays::BackdropRays(const ViewScene& scene, const TransportPlan& again, const Checkpoint& checkpoint)
     : m_antialias(scene.dials.antialias), m_window(supersampled(scene.region, m_antialias)) {
-    const Backdrop backdrop(scene);
+    const Backdrop backdrop(scene, again, checkpoint);
     m_rays.resize(m_window.pixelCount());
     constexpr int kEdge = BackdropBlock::kEdge;
     forRayBlocks(m_window, kEdge, kEdge, checkpoint, [&](const Int2& first) {

@@ -5,10 +5,12 @@
 
 #include <scrim/base/messages.h>
 #include <scrim/engine/light/marched_light.h>
+#include <scrim/engine/light/volume_shine.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/scene/view_scene.h>
 
 #include <array>
+#include <memory>
 #include <vector>
 
 namespace scrim {
@@ -16,11 +18,14 @@ namespace scrim {
 /// True if the scene wants the layer `backdrop`, and has something to show in it.
 bool hasBackdrop(const ViewScene& scene);
 
+/// True if that is lit by volumes.
+bool backdropIsLitByVolumes(const ViewScene& scene);
+
 /// The backdrop along single rays. May be used from many threads at once.
 class Backdrop {
   public:
-    /// `scene` must outlive this object.
-    explicit Backdrop(const ViewScene& scene);
+    /// `scene` must outlive this object. `again`: see VolumeShine. Throws as that does.
+    Backdrop(const ViewScene& scene, const TransportPlan& again, const Checkpoint& checkpoint);
 
     /// What a ray meets: a solid with a colour at a place, or what shines by itself, a light's surface or the sky, with
     /// its radiance and alpha.
@@ -32,9 +37,10 @@ class Backdrop {
     /// The ray through raster position (x, y) of the picture without antialiasing.
     Met meets(double x, double y) const;
 
-    /// Radiance over colour that a solid reflects there, evenly to all sides (Lambert). What volumes scatter or emit
-    /// does not light it.
+    /// Radiance over colour that a solid reflects there, evenly to all sides (Lambert): of lights and ambient light,
+    /// and of what volumes send.
     Rgb lightOn(const Met& met) const;
+    Rgb shineOn(const Met& met) const;
 
     /// Radiance of the ray through (x, y), as if there were no volumes before it, and alpha: 1 where there is a
     /// backdrop, else 0.
@@ -45,14 +51,15 @@ class Backdrop {
     RayFamily m_rays;
     double m_pixel;  // angle of a pixel, radians
     MarchedLight m_light;
+    std::unique_ptr<const VolumeShine> m_shine;  // null: volumes send no light to solids
 };
 
 /// The backdrop of a picture's rays.
 class BackdropRays {
   public:
-    /// Traces the rays of the scene's region. On even parts of a solid whose light hardly changes over up to 8 x 8 rays
-    /// it is interpolated. Calls `checkpoint` now and then.
-    BackdropRays(const ViewScene& scene, const Checkpoint& checkpoint);
+    /// Traces the rays of the scene's region. On even parts of a solid light that hardly changes over up to 8 x 8 rays
+    /// is interpolated. Calls `checkpoint` now and then.
+    BackdropRays(const ViewScene& scene, const TransportPlan& again, const Checkpoint& checkpoint);
 
     /// The radiance and alpha of the ray (x, y) of the antialiasing raster.
     const std::array<float, 4>& ray(int x, int y) const { return m_rays[indexOf(x, y)]; }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/light/marched_light.h>
 
+#include <numbers>
+
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
@@ -50,26 +52,43 @@ Rgb MarchedLight::transmittance(std::size_t light, const Vec3& ws) const {
     return weights > 0 ? sum / weights : Rgb(1);
 }
 
-Rgb MarchedLight::irradiance(const Vec3& ws, const Vec3& normal) const {
+Rgb MarchedLight::left(std::size_t light, const Part& part, const Arriving& arriving, const Vec3& ws) const {
     constexpr double kOff = 1e-6;  // of the distance from the origin, by which a ray leaves its own surface
     const double off = kOff * (glm::length(ws) + 1);
-    const bool solid = solidsBlock(m_scene);
+    if (!m_scene.lights[light].shadows) return arriving.irradiance;
+    if (solidsBlock(m_scene) &&
+        m_scene.solids->firstHit(SolidRole::shadow, ws, -arriving.travel, off, arriving.distance) < arriving.distance)
+        return Rgb(0);
+    return m_volumes.empty() ? arriving.irradiance : arriving.irradiance * transmittance(light, part, ws);
+}
+
+Rgb MarchedLight::irradiance(const Vec3& ws, const Vec3& normal) const {
     Rgb sum(0);
     for (std::size_t i = 0; i < m_parts.size(); ++i)
         for (const Part& part : m_parts[i]) {
             const Arriving arriving = part.at.at(ws);
             const double cosine = -glm::dot(arriving.travel, normal);
-            if (!(cosine > 0) || arriving.irradiance == Rgb(0)) continue;
-            Rgb sent = cosine * arriving.irradiance;
-            if (m_scene.lights[i].shadows) {
-                if (solid && m_scene.solids->firstHit(SolidRole::shadow, ws, -arriving.travel, off, arriving.distance) <
-                                 arriving.distance)
-                    continue;
-                if (!m_volumes.empty()) sent *= transmittance(i, part, ws);
-            }
-            sum += sent;
+            if (cosine > 0 && arriving.irradiance != Rgb(0)) sum += cosine * left(i, part, arriving, ws);
         }
     return sum;
+}
+
+FromAllSides MarchedLight::fromAllSides(const Vec3& ws, const std::vector<bool>& lights, double edge) const {
+    // The mean of 1 / r^2 over a ball is 3 / radius^2.
+    const double radius = 0.62 * edge;  // of a ball as large as the cell
+    FromAllSides out;
+    for (std::size_t i = 0; i < m_parts.size(); ++i)
+        for (const Part& part : m_parts[i]) {
+            if (!litBy(lights, i)) continue;
+            const Arriving arriving = part.at.at(ws);
+            if (arriving.irradiance == Rgb(0)) continue;
+            Rgb mean = left(i, part, arriving, ws) / (4 * std::numbers::pi);
+            const double within = arriving.distance / radius;
+            if (within < 1 && part.light->point().decay) mean *= 3 * within * within;
+            out.mean += mean;
+            for (std::size_t c = 0; c < 3; ++c) out.flow[c] += mean[int(c)] * arriving.travel;
+        }
+    return out;
 }
 
 }  // namespace scrim

@@ -8,10 +8,18 @@
 #include <scrim/scene/optics.h>
 #include <scrim/scene/view_scene.h>
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
 namespace scrim {
+
+/// Light at a point, relative to all directions: the mean of its radiance, and for each colour the mean of that times
+/// its direction of travel.
+struct FromAllSides {
+    Rgb mean{0};
+    std::array<Vec3, 3> flow{Vec3(0), Vec3(0), Vec3(0)};
+};
 
 /// May be used from many threads at once.
 class MarchedLight {
@@ -32,6 +40,9 @@ class MarchedLight {
     /// the solids that cast shadows.
     Rgb irradiance(const Vec3& ws, const Vec3& normal) const;
 
+    /// What arrives likewise of the lights in `lights` (litBy) in a cell of `edge` around `ws`.
+    FromAllSides fromAllSides(const Vec3& ws, const std::vector<bool>& lights, double edge) const;
+
   private:
     // A light without extent, which is a light of the scene or a part of one.
     struct Part {
@@ -41,6 +52,8 @@ class MarchedLight {
         LightAt at;
     };
     Rgb transmittance(std::size_t light, const Part& part, const Vec3& ws) const;
+    // What is left of a light that arrives, behind volumes and solids.
+    Rgb left(std::size_t light, const Part& part, const Arriving& arriving, const Vec3& ws) const;
 
     const ViewScene& m_scene;
     double m_step;

@@ -6,6 +6,7 @@
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/lamps/lamp.h>
+#include <scrim/engine/light/backdrop.h>
 #include <scrim/engine/cells/cell_levels.h>
 #include <scrim/engine/cells/cell_media.h>
 #include <scrim/engine/solve/cell_sweep.h>
@@ -446,6 +447,10 @@ double bytesFor(const ViewScene& scene, const TransportPlan& plan, bool flux) {
 }
 
 }  // namespace
+
+TransportPlan planForBackdrop(const ViewScene& scene) {
+    return backdropIsLitByVolumes(scene) ? planTransport(withScatteredApart(scene)) : TransportPlan();
+}
 
 TransportPlan planTransport(const ViewScene& scene, bool flux) {
     TransportPlan plan;

@@ -34,6 +34,10 @@ std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan);
 /// scatteredMoments with flux, for which cells keep all directions, whatever the phase functions.
 TransportPlan planTransport(const ViewScene& scene, bool flux = false);
 
+/// The plan of what the backdrop's surfaces get of light that scatters more than once (VolumeShine); without targets if
+/// they get none.
+TransportPlan planForBackdrop(const ViewScene& scene);
+
 /// The largest optical depth of a voxel, above 0; where boxes of volumes overlap, of their sum.
 double depthOfVoxel(const ViewScene& scene);
 
