@@ -56,6 +56,34 @@ def test_a_handle_says_where_light_comes_from_before_and_behind(view, direction)
     assert found == pytest.approx(numpy.array(direction) / numpy.linalg.norm(direction), abs=1e-9)
 
 
+@pytest.mark.parametrize("up", [[0, 1, 0], [0, 0, 1], [1, 2, 3], [0, -1, 0]])
+@pytest.mark.parametrize("elevation, rotation", [(20.0, 40.0), (60.0, -150.0), (-5.0, 100.0)])
+def test_the_sun_of_a_sky_has_a_handle(elevation, rotation, up):
+    sky = {"name": "sky", "type": "dome", "sky": {"sun_elevation": elevation}, "rotation": rotation, "up": up}
+    scene, view = {"light": [sky]}, view_of()
+    (handle,) = _handles.of(scene, view)
+    assert handle["kind"] == "way"
+    found = dict(_handles.moved(scene, 0, view, handle["x"], handle["y"]))
+    assert found == {
+        ("light", 0, "sky", "sun_elevation"): pytest.approx(elevation, abs=1e-6),
+        ("light", 0, "rotation"): pytest.approx(rotation, abs=1e-6),
+    }
+
+
+def test_the_handle_of_a_sky_is_where_its_sun_is_seen():
+    """It is the brightest pixel of a camera that looks along -z, before which the sun stands."""
+    sky = {"type": "dome", "visible": True, "sky": {"sun_elevation": 8.0}, "rotation": 170.0}
+    camera = {"position": [0, 0, 5], "target": [0, 0, 0], "fov": 60, "resolution": [60, 60]}
+    volume = {"source": "noise", "parameters": {"resolution": 16}, "density": {"scale": 0}}
+    scene = {"scene_version": 2, "camera": camera, "light": [sky], "volume": [volume]}
+    seen = scrim.loads(scene).render().image[..., 0]
+    row, column = numpy.unravel_index(numpy.argmax(seen), seen.shape)
+    travel, half = numpy.array(_handles._from_sun(sky)), math.tan(math.radians(30))
+    assert travel[2] > 0
+    assert (column + 0.5) / 30 - 1 == pytest.approx(-travel[0] / travel[2] / half, abs=0.06)
+    assert 1 - (row + 0.5) / 30 == pytest.approx(-travel[1] / travel[2] / half, abs=0.06)
+
+
 def test_a_light_with_a_place_moves_beside_the_picture():
     scene = {"light": [{"name": "lamp", "type": "point", "position": [0.5, 0.5, 2.0]}]}
     view = view_of()

@@ -16,6 +16,7 @@ import numpy as np
 
 from ._camera import Pose
 from ._document import Change, name_of
+from ._messages import is_number
 
 RADIUS = 0.35  # of the ball around the pivot, in heights of the picture
 _REACH = 0.03  # heights of the picture on each side of a place, from which the surface's normal is taken
@@ -67,8 +68,11 @@ def of(scene: Mapping, view: View) -> list[dict]:
             x, y, ahead = view.seen(np.array(light["position"], float))
         elif kind == "way":
             x, y, ahead = *_on_ball(light["direction"], view), 1.0
+        elif kind == "sky":
+            x, y, ahead = *_on_ball(_from_sun(light), view), 1.0
         if kind and ahead > 0:
-            out.append({"light": name_of("light", index, light), "kind": kind, "x": float(x), "y": float(y)})
+            shown = "way" if kind == "sky" else kind
+            out.append({"light": name_of("light", index, light), "kind": shown, "x": float(x), "y": float(y)})
     return out
 
 
@@ -78,7 +82,17 @@ def moved(scene: Mapping, index: int, view: View, x: float, y: float) -> list[Ch
     if _kind(light) == "place":
         ahead = view.seen(np.array(light["position"], float))[2]
         return [(("light", index, "position"), view.point(x, y, ahead).tolist())]
-    return [(("light", index, "direction"), _from_ball(view, x, y).tolist())]
+    return _along(light, index, _from_ball(view, x, y))
+
+
+def _along(light: Mapping, index: int, direction: np.ndarray) -> list[Change]:
+    """The changes that make a light without a place shine along a direction."""
+    if _kind(light) == "way":
+        return [(("light", index, "direction"), direction.tolist())]
+    up, front, right = _sky_axes(light)
+    elevation = np.degrees(np.arcsin(np.clip(-direction @ up, -1.0, 1.0)))
+    rotation = np.degrees(np.arctan2(-direction @ right, -direction @ front))
+    return [(("light", index, "sky", "sun_elevation"), float(elevation)), (("light", index, "rotation"), float(rotation))]
 
 
 def has_handle(light: Mapping) -> bool:
@@ -88,6 +102,9 @@ def has_handle(light: Mapping) -> bool:
 def _kind(light: Mapping) -> str:
     if "orbit" in light:
         return ""
+    sky = light.get("sky")
+    if isinstance(sky, Mapping):
+        return "sky" if all(is_number(v) for v in (sky.get("sun_elevation", 15.0), light.get("rotation", 0.0))) else ""
     if _is_triple(light.get("position")):
         return "place"
     return "way" if _is_triple(light.get("direction")) and "target" not in light else ""
@@ -95,6 +112,26 @@ def _kind(light: Mapping) -> str:
 
 def _is_triple(value: object) -> bool:
     return isinstance(value, list) and len(value) == 3 and all(isinstance(v, (int, float)) for v in value)
+
+
+def _sky_axes(light: Mapping) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Up, and where the sun of a sky stands at the horizon with a `rotation` of 0 and of 90 degrees: +z and +x, carried
+    along by the shortest turn of +y to up."""
+    up = np.array(light.get("up", [0.0, 1.0, 0.0]), float)
+    up /= np.linalg.norm(up)
+    if up[1] < -1 + 1e-9:
+        return up, np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
+    x, y, z = up
+    front = np.array([-x * z / (1 + y), -z, 1 - z * z / (1 + y)])
+    right = np.array([1 - x * x / (1 + y), -x, -x * z / (1 + y)])
+    return up, front, right
+
+
+def _from_sun(light: Mapping) -> list[float]:
+    """The direction in which the light of a sky's sun travels."""
+    up, front, right = _sky_axes(light)
+    e, r = np.radians((light["sky"].get("sun_elevation", 15.0), light.get("rotation", 0.0)))
+    return (-(np.cos(e) * (np.cos(r) * front + np.sin(r) * right) + np.sin(e) * up)).tolist()
 
 
 def _on_ball(direction: list[float], view: View) -> tuple[float, float]:
@@ -140,7 +177,7 @@ def highlit(scene: Mapping, index: int, view: View, depth: np.ndarray, x: float,
         elif "direction" in light:
             changes.append((("light", index, "direction"), (-source).tolist()))
         return changes
-    return [(("light", index, "direction"), (-source).tolist())]
+    return _along(light, index, -source)
 
 
 def _surface(view: View, depth: np.ndarray, x: float, y: float) -> tuple[np.ndarray, np.ndarray] | None:
