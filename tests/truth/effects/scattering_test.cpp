@@ -726,5 +726,32 @@ TEST(MultipleScattering, OfTooManyCellsIsRefused) {
     }
 }
 
+// Under a white sky all that scatters without loss is as white, also where only the rims of kernels are.
+TEST(MultipleScattering, IsWhiteUnderAWhiteSkyToTheRimOfKernels) {
+    for (const Kernel kernel : {Kernel::linear, Kernel::bspline, Kernel::gaussian})
+        for (const double cell : {0.5, 1.0, 2.0}) {
+            ViewScene scene = orthographicScene(boxField(Int3(-6), Int3(5)), Medium(), 20, 40);
+            Medium& medium = scene.volumes[0].medium;
+            medium.densityScale = 0.5;
+            medium.albedo = Rgb(1);
+            medium.scattering = Scattering::full;
+            scene.dials.kernel = kernel;
+            scene.dials.scatterCell = cell;
+            scene.ambient = Rgb(1);
+            const Frame frame = renderScene(scene);
+            double seen = 0;
+            for (int y = 0; y < 40; ++y)
+                for (int x = 0; x < 40; ++x) {
+                    const auto pixel = pixelOf(frame, x, y);
+                    if (pixel[3] < 0.005) continue;
+                    ++seen;
+                    // With cells of half a voxel, light ends half a cell before linear kernels do.
+                    const double most = kernel == Kernel::linear && cell < 1 ? 0.2 : 0.05;
+                    EXPECT_NEAR(pixel[0] / pixel[3], 1, most) << nameOf(kernel) << " " << cell << " " << x << " " << y;
+                }
+            EXPECT_GT(seen, 500);
+        }
+}
+
 }  // namespace
 }  // namespace scrim::test

@@ -275,6 +275,16 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin) {
     return boxes;
 }
 
+double reachOfWideKernels(const ViewScene& scene) {
+    double reach = 0;
+    for (const ViewVolume& volume : scene.volumes)
+        for (const ViewField& field : fieldsOf(volume)) {
+            const double radius = kernelRadius(field.kernel.value_or(scene.dials.kernel));
+            if (radius > kernelRadius(Kernel::linear)) reach = std::max(reach, (radius - 0.5) * voxelUnit(volume));
+        }
+    return reach;
+}
+
 CellGrid cellGrid(const ViewScene& scene, double edge, const CellPlaces& places) {
     const double margin = std::max(edge, places.margin);
     std::vector<Bounds> boxes =

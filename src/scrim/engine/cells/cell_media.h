@@ -99,6 +99,9 @@ inline Vec3 cornerOfVoxels(const ViewScene& scene, double edge) {
 /// The boxes that cells must cover: around each block of voxels of `scene`, with a margin of `margin` world units.
 std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin);
 
+/// World units by which kernels that are wider than linear ones reach beyond the cubes of their voxels; 0: none does.
+double reachOfWideKernels(const ViewScene& scene);
+
 /// Where cells are, and what is in them.
 struct CellPlaces {
     Vec3 wsCorner{0};   ///< a cell has a corner there

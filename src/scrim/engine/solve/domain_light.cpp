@@ -64,7 +64,10 @@ std::size_t DomainBorder::bytes() const {
 
 DomainLight::DomainLight(const Settings& settings, const CellMedia& media, const DomainBorder* border,
                          const std::vector<DomainBorder*>& inner)
-    : m_kept(settings.kept), m_grid(std::make_shared<const CellGrid>(media.grid)), m_classes(settings.classes.size()) {
+    : m_kept(settings.kept),
+      m_grid(std::make_shared<const CellGrid>(media.grid)),
+      m_classes(settings.classes.size()),
+      m_rings(std::max(1, static_cast<int>(std::ceil(reachOfWideKernels(settings.scene) / media.grid.edge())))) {
     const bool apart = wants(settings.scene, Layer::indirect);
     for (const ScatterTarget& target : settings.plan.targets)
         for (std::size_t k = 0; k < m_classes; ++k) {
@@ -237,13 +240,54 @@ void DomainLight::keepFlux(const TransportSolver& solver, const std::vector<std:
         });
 }
 
-// Fills the cells around each block from its neighbours. Cells without a row of their own get the mean of neighbours
-// that have one, because kernels reach a little further than voxels.
+namespace {
+
+// The mean of the known cells around a place that it sees; false if there is none. known(place): their values, or null.
+template <class Known>
+bool meanAround(const CellGrid& grid, const Int3& place, bool walls, const Known& known, Real* mean) {
+    int count = 0;
+    Real sum[3] = {0, 0, 0};
+    for (int i = 0; i < 27; ++i) {
+        const Int3 beside = place + Int3(i % 3, i / 3 % 3, i / 9) - 1;
+        const Real* near = known(beside);
+        if (near && (!walls || grid.sees(grid.wsInside(place), grid.wsInside(beside)))) {
+            ++count;
+            for (int c = 0; c < 3; ++c) sum[c] += near[c];
+        }
+    }
+    for (int c = 0; c < 3; ++c) mean[c] = count > 0 ? sum[c] / static_cast<Real>(count) : Real(0);
+    return count > 0;
+}
+
+}  // namespace
+
+// Cells without a row of their own get the mean of neighbours that are known, ring by ring, because kernels reach
+// further than voxels. Returns for each cell whether it is known then; fillBorders adds the last ring.
+std::vector<std::uint8_t> DomainLight::fillAround(const TransportSolver& solver, CellField& field) const {
+    std::vector<std::uint8_t> known(m_grid->cells());
+    for (std::size_t cell = 0; cell < known.size(); ++cell) known[cell] = solver.rowOfCell()[cell] >= 0;
+    for (int ring = 1; ring < m_rings; ++ring) {
+        const std::vector<std::uint8_t> before = known;
+        const auto at = [&](const Int3& place) -> const Real* {
+            const std::ptrdiff_t cell = m_grid->index(place);
+            return cell < 0 || before[std::size_t(cell)] == 0 ? nullptr : field.cell(std::size_t(cell));
+        };
+        parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
+            const bool walls = m_grid->walled(block) >= 0;
+            for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell)
+                if (before[cell] == 0)
+                    known[cell] = meanAround(*m_grid, m_grid->place(cell), walls, at, field.cell(cell));
+        });
+    }
+    return known;
+}
+
+// Fills the cells around each block from its neighbours, and those around known ones.
 void DomainLight::fillBorders(const TransportSolver& solver, CellField& field) const {
+    const std::vector<std::uint8_t> all = fillAround(solver, field);
     const auto known = [&](const Int3& place) -> const Real* {
         const std::ptrdiff_t cell = m_grid->index(place);
-        if (cell < 0 || solver.rowOfCell()[std::size_t(cell)] < 0) return nullptr;
-        return field.cell(std::size_t(cell));
+        return cell < 0 || all[std::size_t(cell)] == 0 ? nullptr : field.cell(std::size_t(cell));
     };
     parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
         const Int3 first = m_grid->storedBlocks()[block] * kCellEdge - 1;
@@ -257,17 +301,7 @@ void DomainLight::fillBorders(const TransportSolver& solver, CellField& field) c
                         if (own != to) std::copy_n(own, 3, to);
                         continue;
                     }
-                    int count = 0;
-                    Real sum[3] = {0, 0, 0};
-                    for (int i = 0; i < 27; ++i) {
-                        const Int3 beside = place + Int3(i % 3, i / 3 % 3, i / 9) - 1;
-                        const Real* near = known(beside);
-                        if (near && (!walls || m_grid->sees(m_grid->wsInside(place), m_grid->wsInside(beside)))) {
-                            ++count;
-                            for (int c = 0; c < 3; ++c) sum[c] += near[c];
-                        }
-                    }
-                    for (int c = 0; c < 3; ++c) to[c] = count > 0 ? sum[c] / static_cast<Real>(count) : Real(0);
+                    meanAround(*m_grid, place, walls, known, to);
                 }
     });
 }

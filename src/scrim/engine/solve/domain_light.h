@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -84,11 +85,13 @@ class DomainLight {
               const Rgb& colours, const std::shared_ptr<CellField>* fields) const;
     void keepFlux(const TransportSolver& solver, const std::vector<std::vector<Real>>& kept,
                   const std::vector<std::vector<Real>>& straight, const Rgb& colours);
+    std::vector<std::uint8_t> fillAround(const TransportSolver& solver, CellField& field) const;
     void fillBorders(const TransportSolver& solver, CellField& field) const;
 
     KeptLight m_kept;
     std::shared_ptr<const CellGrid> m_grid;
     std::size_t m_classes;
+    int m_rings;  // of cells around those with a row, that kernels reach
     std::vector<std::shared_ptr<CellField>> m_fields, m_unscattered;
     std::array<std::shared_ptr<CellField>, 3> m_flux;
     Solved m_solved;

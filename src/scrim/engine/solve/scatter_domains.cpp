@@ -167,6 +167,9 @@ CellMedia DomainMedia::of(std::size_t d, double larger) const {
 CellPlaces DomainMedia::placesOf(std::size_t d, double edge) const {
     const ScatterDomain& domain = m_domains[d];
     CellPlaces places{.walls = true};
+    // Light is looked up between cells, as far as kernels reach.
+    const double reach = reachOfWideKernels(domain.parent < 0 ? m_scene : withVoxelsOf(m_scene, domain.volumes));
+    if (reach > 0) places.margin = reach + edge;
     if (domain.parent < 0) return places;
     places.covered = domain.volumes;
     if (domain.filled) places.more = {boxOf(m_scene, domain, edge)};
