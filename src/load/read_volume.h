@@ -11,8 +11,8 @@
 
 namespace scrim::load {
 
-/// Does everything that opens files or costs time before any child is forked: OpenVDB's tables, oneTBB's libraries.
-/// From then on, parallel loops run on the calling thread.
+/// Does everything that opens files or costs time before any child is forked, but for OpenVDB (vdb_library.h): oneTBB's
+/// libraries. From then on, parallel loops run on the calling thread.
 void prepareToRead();
 
 /// For a child that is confined: lets parallel loops start threads, all of which allocate from one arena. Threads that
@@ -27,7 +27,8 @@ class ReadVolume {
 
     /// Determines the size of the open file `input`, which `threads` threads will read.
     ReadVolume(int transfer, LoadRequest request, int input, int threads);
-    /// Reads the file and sends its contents, or the error.
+    /// Reads the file and sends its contents, or the error. Ends the process with kNeedsOpenVdb (load_protocol.h) where
+    /// OpenVDB is needed, and has not been loaded.
     void run() const;
 
   private:
