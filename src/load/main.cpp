@@ -21,6 +21,7 @@
 #include <scrim/base/descriptor.h>
 #include <scrim/base/system_error.h>
 #include <scrim/guard/load_protocol.h>
+#include <scrim/guard/load_request.h>
 
 #include <algorithm>
 #include <array>
@@ -69,9 +70,12 @@ struct Request {
     Descriptor takeControl() { return Descriptor(std::exchange(descriptors[kControl], -1)); }
     /// Fields are first read without OpenVDB. All else that reads volumes needs it, and so may a source.
     bool mayDoWithoutOpenVdb() const {
-        return !wanted || wanted->what == kMesh || wanted->what == kPhotometry || isForFields();
+        return !wanted || std::holds_alternative<MeshTask>(wanted->task) ||
+               std::holds_alternative<PhotometryTask>(wanted->task) || isForFields();
     }
-    bool isForFields() const { return wanted && wanted->what == "fields" && wanted->edit.empty(); }
+    bool isForFields() const {
+        return wanted && std::holds_alternative<FieldsTask>(wanted->task) && editOf(wanted->task) == nullptr;
+    }
     /// Reads the request, once: a child that a file has taken over may change the transfer.
     void readTransfer() {
         try {
@@ -125,29 +129,53 @@ int threadsFor(const LoadMessage& message, std::uint64_t bytes) {
     return static_cast<int>(std::min<std::uint64_t>(message.threads, most));
 }
 
-/// Reads a volume.
-void runReader(LoadRequest request, const LoadMessage& message, Limits limits) {
-    constexpr std::uint64_t kStackBytes = std::uint64_t{16} << 20;
-    const int threads = threadsFor(message, kStackBytes);
-    limits.seconds *= static_cast<std::size_t>(threads);
-    runConfined(ReadVolume(kChildTransfer, std::move(request), kChildInput, threads), limits);
-}
+/// Runs a task in a child, whose limits of time are those of one thread.
+class TaskRun {
+  public:
+    TaskRun(LoadRequest request, const LoadMessage& message)
+        : m_request(std::move(request)), m_message(message), m_limits{message.memory, message.seconds} {}
 
-/// Runs a source, or edits a volume. A thread takes address space for its stack and its memory, which a small limit
-/// must provide.
-void runThreaded(LoadRequest request, const LoadMessage& message, Limits limits) {
-    constexpr std::uint64_t kThreadBytes = std::uint64_t{128} << 20;
-    const int threads = threadsFor(message, kThreadBytes);
-    limits.seconds *= static_cast<std::size_t>(threads);
-    if (request.edit.empty())
-        runConfined(ReadSource(kChildTransfer, std::move(request), kChildInput, kChildBeside, threads), limits);
-    else {
-        std::vector<int> files{kChildInput};
-        for (std::uint32_t i = kMore; i < message.descriptors; ++i)
-            files.push_back(kChildMore + static_cast<int>(i - kMore));
-        runConfined(EditVolume(kChildTransfer, std::move(request), files, threads), limits);
+    void run(const PictureModule* pictures) {
+        if (pictures != nullptr) {
+            runConfined(ReadPicture(*pictures, kChildTransfer, std::move(m_request), kChildInput), m_limits);
+        } else if (const auto* const mesh = std::get_if<MeshTask>(&m_request.task)) {
+            runConfined(ReadMesh(kChildTransfer, m_request.path, mesh->module, kChildInput), m_limits);
+        } else if (std::holds_alternative<PhotometryTask>(m_request.task)) {
+            runConfined(ReadProfile(kChildTransfer, m_request.path, kChildInput), m_limits);
+        } else if (const auto* const source = std::get_if<SourceTask>(&m_request.task)) {
+            const int threads = takeThreads(kThreadBytes);
+            runConfined(ReadSource(kChildTransfer, m_request.path, *source, kChildInput, kChildBeside, threads),
+                        m_limits);
+        } else if (editOf(m_request.task) != nullptr) {
+            const int threads = takeThreads(kThreadBytes);
+            runConfined(EditVolume(kChildTransfer, std::move(m_request), filesOfEdit(), threads), m_limits);
+        } else {
+            const int threads = takeThreads(kStackBytes);
+            runConfined(ReadVolume(kChildTransfer, std::move(m_request), kChildInput, threads), m_limits);
+        }
     }
-}
+
+  private:
+    // A thread takes address space for its stack and, where it has an arena, its memory, which a small limit must
+    // provide.
+    static constexpr std::uint64_t kStackBytes = std::uint64_t{16} << 20, kThreadBytes = std::uint64_t{128} << 20;
+
+    int takeThreads(std::uint64_t bytes) {
+        const int threads = threadsFor(m_message, bytes);
+        m_limits.seconds *= static_cast<std::size_t>(threads);
+        return threads;
+    }
+    std::vector<int> filesOfEdit() const {
+        std::vector<int> files{kChildInput};
+        for (std::uint32_t i = kMore; i < m_message.descriptors; ++i)
+            files.push_back(kChildMore + static_cast<int>(i - kMore));
+        return files;
+    }
+
+    LoadRequest m_request;
+    LoadMessage m_message;
+    Limits m_limits;
+};
 
 /// The child: keeps its own descriptors and nothing else. Never returns.
 [[noreturn]] void runChild(Request& request, const PictureModule* pictures, pid_t parent) {
@@ -169,18 +197,8 @@ void runThreaded(LoadRequest request, const LoadMessage& message, Limits limits)
     // The child must not outlive this program, which may already have ended.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) ::_exit(0);
-    const Limits limits{request.message.memory, request.message.seconds};
-    LoadRequest wanted = request.wanted ? std::move(*request.wanted) : receiveRequest(kChildTransfer);
-    if (pictures != nullptr)
-        runConfined(ReadPicture(*pictures, kChildTransfer, std::move(wanted), kChildInput), limits);
-    else if (wanted.what == kMesh)
-        runConfined(ReadMesh(kChildTransfer, std::move(wanted), kChildInput), limits);
-    else if (wanted.what == kPhotometry)
-        runConfined(ReadProfile(kChildTransfer, std::move(wanted), kChildInput), limits);
-    else if (!wanted.source.empty() || !wanted.edit.empty())
-        runThreaded(std::move(wanted), request.message, limits);
-    else
-        runReader(std::move(wanted), request.message, limits);
+    TaskRun(request.wanted ? std::move(*request.wanted) : receiveRequest(kChildTransfer), request.message)
+        .run(pictures);
     // The heap may be corrupted by a damaged file, so it is not cleaned up.
     ::_exit(0);
 }

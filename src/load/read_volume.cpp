@@ -5,6 +5,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/guard/field_transfer.h>
 #include <scrim/guard/load_protocol.h>
 #include <scrim/volume/direct_fields.h>
 #include <scrim/volume/read_fields.h>
@@ -22,13 +23,14 @@
 namespace scrim::load {
 namespace {
 
-void sendAll(int transfer, const LoadRequest& request, const VdbBytes& bytes) {
-    if (request.what == "info") return sendInfo(transfer, VdbFile::open(bytes).info());
+void sendAll(int transfer, const LoadTask& task, const VdbBytes& bytes) {
+    const auto* const wanted = std::get_if<FieldsTask>(&task);
+    if (wanted == nullptr) return sendInfo(transfer, VdbFile::open(bytes).info());
     std::vector<TransferMessage> messages;
     const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
     TransferBlocks blocks(transfer);
-    if (triedOpenVdb()) return sendFields(transfer, readFields(bytes, request.grids, hear, blocks), messages, &blocks);
-    const auto fields = readWithoutOpenVdb(bytes, request.grids, hear, blocks);
+    if (triedOpenVdb()) return sendFields(transfer, readFields(bytes, wanted->grids, hear, blocks), messages, &blocks);
+    const auto fields = readWithoutOpenVdb(bytes, wanted->grids, hear, blocks);
     if (!fields) ::_exit(kNeedsOpenVdb);
     sendFields(transfer, *fields, messages, &blocks);
 }
@@ -74,7 +76,7 @@ void ReadVolume::run() const {
     allowThreads();
     try {
         readWithErrors(m_request.path,
-                       [&] { TaskArena(m_threads).run([&] { sendAll(m_transfer, m_request, *m_bytes); }); });
+                       [&] { TaskArena(m_threads).run([&] { sendAll(m_transfer, m_request.task, *m_bytes); }); });
     } catch (const Error& error) {
         sendError(m_transfer, error);
     }

@@ -4,7 +4,7 @@
 
 #include "confine.h"
 
-#include <scrim/guard/field_transfer.h>
+#include <scrim/guard/load_request.h>
 #include <scrim/volume/vdb_bytes.h>
 
 #include <memory>
@@ -25,7 +25,8 @@ class ReadVolume {
   public:
     static constexpr Rights kRights = Rights::threads;
 
-    /// Determines the size of the open file `input`, which `threads` threads will read.
+    /// The request is for fields or a description, without an edit. Determines the size of the open file `input`, which
+    /// `threads` threads will read.
     ReadVolume(int transfer, LoadRequest request, int input, int threads);
     /// Reads the file and sends its contents, or the error. Ends the process with kNeedsOpenVdb (load_protocol.h) where
     /// OpenVDB is needed, and has not been loaded.
