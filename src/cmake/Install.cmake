@@ -16,7 +16,8 @@ install(TARGETS scrim_images LIBRARY DESTINATION ${scrim_modules} COMPONENT pict
 if(SCRIM_WITH_AX)
     install(TARGETS scrim_ax LIBRARY DESTINATION ${scrim_modules} COMPONENT ax)
 endif()
-install(TARGETS scrim_load RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/scrim COMPONENT library)
+install(TARGETS scrim_load scrim_load_vdb RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/scrim COMPONENT library
+                                          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/scrim COMPONENT library)
 install(TARGETS scrim_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 # The headers that users of the library need, and no others. They include no other headers of Scrim.
 foreach(

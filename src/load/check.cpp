@@ -5,6 +5,7 @@
 #include "confine.h"
 #include "fork.h"
 #include "read_volume.h"
+#include "vdb_library.h"
 
 #include <scrim/base/parallel.h>
 #include <scrim/guard/load_protocol.h>
@@ -233,6 +234,9 @@ bool checkConfinement() {
     expect(kRights, "killing another process", SIGSYS, [] { (void)::kill(1, 0); });
     expect(kRights, "aborting", SIGABRT, [] { std::abort(); });
     std::puts("with threads");
+    checkThreads(expect);
+    loadOpenVdb();
+    std::puts("with threads, and OpenVDB loaded");
     checkThreads(expect);
     std::printf("with volume sources loaded (%s)\n", loadSources().c_str());
     checkNames(expect);

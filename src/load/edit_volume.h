@@ -5,7 +5,8 @@
 #include "confine.h"
 
 #include <scrim/base/error.h>
-#include <scrim/guard/field_transfer.h>
+#include <scrim/volume/sparse_field.h>
+#include <scrim/guard/load_request.h>
 #include <scrim/volume/ax_module.h>
 #include <scrim/volume/vdb_bytes.h>
 
@@ -18,10 +19,12 @@ namespace scrim::load {
 class EditVolume {
   public:
     static constexpr Rights kRights = Rights::compiling;
+    EditVolume(const EditVolume&) = delete;
+    EditVolume& operator=(const EditVolume&) = delete;
 
-    /// `inputs` are the volume's files, or the one file of the grids that a source made. Loads the module of AX where
-    /// an expression needs it, and takes over grids that a source made, which the process that asks for this has
-    /// checked. May use `threads` threads.
+    /// The request must have an edit. `inputs` are the volume's files, or the one file of the grids that a source made.
+    /// Loads the module of AX where an expression needs it, and takes over grids that a source made, which the process
+    /// that asks for this has checked. May use `threads` threads.
     EditVolume(int transfer, LoadRequest request, const std::vector<int>& inputs, int threads);
     /// Compiles, and gives up the right to make code; only then reads the files, edits, and sends what was
     /// requested, or the error.
@@ -32,7 +35,7 @@ class EditVolume {
 
     int m_transfer, m_threads;
     LoadRequest m_request;
-    GridEdit m_edit;
+    const LoadEdit& m_first;  ///< of the request
     const AxModule* m_ax = nullptr;
     std::optional<Error> m_problem;  ///< why the module cannot be loaded
     VdbFiles m_files;                ///< empty: the grids are `m_made`

@@ -26,18 +26,27 @@ bool othersSleep() {
     return true;
 }
 
+bool& areQuiet() {
+    static bool quiet = false;
+    return quiet;
+}
+
 }  // namespace
 
 // OpenVDB brings log4cplus along, which starts threads that have nothing to do later. A copy made while one of them
 // allocates would wait for ever for the sanitizer's allocator; that of glibc takes care of it.
 void waitForQuietThreads() {
-    static bool quiet = false;
+    bool& quiet = areQuiet();
     constexpr int kMostTries = 1000, kInARow = 3;
     for (int tries = 0, row = 0; !quiet && tries < kMostTries && row < kInARow; ++tries) {
         row = othersSleep() ? row + 1 : 0;
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     quiet = true;
+}
+
+void threadsHaveStarted() {
+    areQuiet() = false;
 }
 
 }  // namespace scrim::load
@@ -47,6 +56,7 @@ void waitForQuietThreads() {
 namespace scrim::load {
 
 void waitForQuietThreads() {}
+void threadsHaveStarted() {}
 
 }  // namespace scrim::load
 

@@ -15,6 +15,8 @@ namespace scrim::load {
 /// Waits until a copy may be made. Without sanitizers it returns at once. With them its first call waits until all
 /// other threads of this process sleep, for about a second at most.
 void waitForQuietThreads();
+/// Its next call waits again.
+void threadsHaveStarted();
 
 /// Makes a copy of this process that runs `task` and exits with the status that it returns; nothing is cleaned up
 /// there. It is killed with the returned object. Throws std::system_error where no process can be made.

@@ -15,17 +15,21 @@
 #include "read_profile.h"
 #include "read_source.h"
 #include "read_volume.h"
+#include "vdb_library.h"
 
 #include <scrim/base/child_process.h>
 #include <scrim/base/descriptor.h>
 #include <scrim/base/system_error.h>
 #include <scrim/guard/load_protocol.h>
+#include <scrim/guard/load_request.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -36,6 +40,7 @@
 #include <sys/prctl.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 namespace scrim::load {
@@ -45,27 +50,48 @@ constexpr int kUsage = 2;
 // Descriptors of a child.
 constexpr int kChildTransfer = 3, kChildInput = 4, kChildBeside = 5, kChildMore = 6;
 
-/// A child, and the control descriptor of the process that waits for it.
-struct Job {
-    ChildProcess child;
-    Descriptor control;
-};
-
-/// One message as received, with its descriptors.
+/// One message as received, with its descriptors, which this object closes.
 struct Request {
     LoadMessage message;
     std::array<int, kMostDescriptors> descriptors;
+    std::optional<LoadRequest> wanted = {};  ///< none: the transfer holds no request, which the child reports
     Request() { descriptors.fill(-1); }
+    ~Request() {
+        for (const int descriptor : descriptors)
+            if (descriptor >= 0) ::close(descriptor);
+    }
+    Request(const Request&) = delete;
+    Request& operator=(const Request&) = delete;
 
     bool complete() const {
         const auto count = std::min<std::uint32_t>(message.descriptors, kMostDescriptors);
         return count > kStderr && descriptors[count - 1] >= 0;
     }
-    /// Closes all of them but the control.
-    void close() {
-        for (int i = 1; i < static_cast<int>(kMostDescriptors); ++i)
-            if (descriptors[i] >= 0) ::close(descriptors[i]);
+    Descriptor takeControl() { return Descriptor(std::exchange(descriptors[kControl], -1)); }
+    /// Fields are first read without OpenVDB. All else that reads volumes needs it, and so may a source.
+    bool mayDoWithoutOpenVdb() const {
+        return !wanted || std::holds_alternative<MeshTask>(wanted->task) ||
+               std::holds_alternative<PhotometryTask>(wanted->task) || isForFields();
     }
+    bool isForFields() const {
+        return wanted && std::holds_alternative<FieldsTask>(wanted->task) && editOf(wanted->task) == nullptr;
+    }
+    /// Reads the request, once: a child that a file has taken over may change the transfer.
+    void readTransfer() {
+        try {
+            wanted = receiveRequest(descriptors[kTransfer]);
+        } catch (const Error&) {
+            wanted.reset();
+        }
+    }
+};
+
+/// A child, and the control descriptor of the process that waits for it.
+struct Job {
+    ChildProcess child;
+    Descriptor control;
+    std::unique_ptr<Request> again;  ///< for another child, where this one may need OpenVDB
+    bool ended = false;
 };
 
 /// Returns false where no client is left.
@@ -103,32 +129,56 @@ int threadsFor(const LoadMessage& message, std::uint64_t bytes) {
     return static_cast<int>(std::min<std::uint64_t>(message.threads, most));
 }
 
-/// Reads a volume.
-void runReader(LoadRequest request, const LoadMessage& message, Limits limits) {
-    constexpr std::uint64_t kStackBytes = std::uint64_t{16} << 20;
-    const int threads = threadsFor(message, kStackBytes);
-    limits.seconds *= static_cast<std::size_t>(threads);
-    runConfined(ReadVolume(kChildTransfer, std::move(request), kChildInput, threads), limits);
-}
+/// Runs a task in a child, whose limits of time are those of one thread.
+class TaskRun {
+  public:
+    TaskRun(LoadRequest request, const LoadMessage& message)
+        : m_request(std::move(request)), m_message(message), m_limits{message.memory, message.seconds} {}
 
-/// Runs a source, or edits a volume. A thread takes address space for its stack and its memory, which a small limit
-/// must provide.
-void runThreaded(LoadRequest request, const LoadMessage& message, Limits limits) {
-    constexpr std::uint64_t kThreadBytes = std::uint64_t{128} << 20;
-    const int threads = threadsFor(message, kThreadBytes);
-    limits.seconds *= static_cast<std::size_t>(threads);
-    if (request.edit.empty())
-        runConfined(ReadSource(kChildTransfer, std::move(request), kChildInput, kChildBeside, threads), limits);
-    else {
-        std::vector<int> files{kChildInput};
-        for (std::uint32_t i = kMore; i < message.descriptors; ++i)
-            files.push_back(kChildMore + static_cast<int>(i - kMore));
-        runConfined(EditVolume(kChildTransfer, std::move(request), files, threads), limits);
+    void run(const PictureModule* pictures) {
+        if (pictures != nullptr) {
+            runConfined(ReadPicture(*pictures, kChildTransfer, std::move(m_request), kChildInput), m_limits);
+        } else if (const auto* const mesh = std::get_if<MeshTask>(&m_request.task)) {
+            runConfined(ReadMesh(kChildTransfer, m_request.path, mesh->module, kChildInput), m_limits);
+        } else if (std::holds_alternative<PhotometryTask>(m_request.task)) {
+            runConfined(ReadProfile(kChildTransfer, m_request.path, kChildInput), m_limits);
+        } else if (const auto* const source = std::get_if<SourceTask>(&m_request.task)) {
+            const int threads = takeThreads(kThreadBytes);
+            runConfined(ReadSource(kChildTransfer, m_request.path, *source, kChildInput, kChildBeside, threads),
+                        m_limits);
+        } else if (editOf(m_request.task) != nullptr) {
+            const int threads = takeThreads(kThreadBytes);
+            runConfined(EditVolume(kChildTransfer, std::move(m_request), filesOfEdit(), threads), m_limits);
+        } else {
+            const int threads = takeThreads(kStackBytes);
+            runConfined(ReadVolume(kChildTransfer, std::move(m_request), kChildInput, threads), m_limits);
+        }
     }
-}
+
+  private:
+    // A thread takes address space for its stack and, where it has an arena, its memory, which a small limit must
+    // provide.
+    static constexpr std::uint64_t kStackBytes = std::uint64_t{16} << 20, kThreadBytes = std::uint64_t{128} << 20;
+
+    int takeThreads(std::uint64_t bytes) {
+        const int threads = threadsFor(m_message, bytes);
+        m_limits.seconds *= static_cast<std::size_t>(threads);
+        return threads;
+    }
+    std::vector<int> filesOfEdit() const {
+        std::vector<int> files{kChildInput};
+        for (std::uint32_t i = kMore; i < m_message.descriptors; ++i)
+            files.push_back(kChildMore + static_cast<int>(i - kMore));
+        return files;
+    }
+
+    LoadRequest m_request;
+    LoadMessage m_message;
+    Limits m_limits;
+};
 
 /// The child: keeps its own descriptors and nothing else. Never returns.
-[[noreturn]] void runChild(Request request, const PictureModule* pictures, pid_t parent) {
+[[noreturn]] void runChild(Request& request, const PictureModule* pictures, pid_t parent) {
     // All descriptors are first moved above their final numbers, so that none is overwritten before it has been moved.
     const int end = kChildMore + static_cast<int>(std::max<std::uint32_t>(request.message.descriptors, kMore) - kMore);
     for (int& descriptor : request.descriptors)
@@ -147,18 +197,8 @@ void runThreaded(LoadRequest request, const LoadMessage& message, Limits limits)
     // The child must not outlive this program, which may already have ended.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) ::_exit(0);
-    const Limits limits{request.message.memory, request.message.seconds};
-    LoadRequest wanted = receiveRequest(kChildTransfer);
-    if (pictures != nullptr)
-        runConfined(ReadPicture(*pictures, kChildTransfer, std::move(wanted), kChildInput), limits);
-    else if (wanted.what == kMesh)
-        runConfined(ReadMesh(kChildTransfer, std::move(wanted), kChildInput), limits);
-    else if (wanted.what == kPhotometry)
-        runConfined(ReadProfile(kChildTransfer, std::move(wanted), kChildInput), limits);
-    else if (!wanted.source.empty() || !wanted.edit.empty())
-        runThreaded(std::move(wanted), request.message, limits);
-    else
-        runReader(std::move(wanted), request.message, limits);
+    TaskRun(request.wanted ? std::move(*request.wanted) : receiveRequest(kChildTransfer), request.message)
+        .run(pictures);
     // The heap may be corrupted by a damaged file, so it is not cleaned up.
     ::_exit(0);
 }
@@ -192,24 +232,32 @@ class Server {
 
   private:
     bool begin() {
-        Request request;
-        if (!receive(request)) return false;
-        const pid_t self = ::getpid();
-        Descriptor control(request.descriptors[kControl]);
+        auto request = std::make_unique<Request>();
+        if (!receive(*request)) return false;
+        Descriptor control = request->takeControl();
         // Descriptors are missing where they exceed the limit of this process.
-        int problem = request.complete() ? 0 : EMFILE;
+        int problem = request->complete() ? 0 : EMFILE;
         try {
-            if (request.complete())
-                m_jobs.push_back({forked([&]() -> int { runChild(request, m_pictures, self); }), Descriptor()});
+            if (problem == 0) {
+                request->readTransfer();
+                m_jobs.push_back(started(std::move(request)));
+            }
         } catch (const std::system_error& error) {
             problem = error.code().value();
         }
-        request.close();
         if (problem != 0)
             refuse(control, problem);
         else
             m_jobs.back().control = std::move(control);
         return true;
+    }
+    /// Starts a child. Throws std::system_error.
+    Job started(std::unique_ptr<Request> request) {
+        if (m_pictures == nullptr && !request->mayDoWithoutOpenVdb()) loadOpenVdb();
+        const pid_t self = ::getpid();
+        Job job{forked([&]() -> int { runChild(*request, m_pictures, self); }), Descriptor(), nullptr};
+        if (m_pictures == nullptr && request->isForFields() && !triedOpenVdb()) job.again = std::move(request);
+        return job;
     }
     /// Reports the problem. Without a control descriptor, the waiting process will report that this program is lost.
     static void refuse(const Descriptor& control, int problem) {
@@ -229,15 +277,26 @@ class Server {
         signalfd_siginfo ignored;
         while (::read(m_ended, &ignored, sizeof ignored) > 0) {
         }
-        std::erase_if(m_jobs, [](Job& job) {
-            const auto end = job.child.ended();
-            if (!end) return false;
-            LoadAnswer answer;
-            answer.status = end->status;
-            answer.microseconds = end->used.count();
-            tell(job.control, answer);
-            return true;
-        });
+        for (Job& job : m_jobs)
+            if (const auto end = job.child.ended()) finish(job, *end);
+        std::erase_if(m_jobs, [](const Job& job) { return job.ended; });
+    }
+    void finish(Job& job, const ChildProcess::End& end) {
+        LoadAnswer answer;
+        answer.status = end.status;
+        answer.microseconds = end.used.count();
+        job.ended = true;
+        if (job.again && WIFEXITED(end.status) && WEXITSTATUS(end.status) == kNeedsOpenVdb) try {
+                loadOpenVdb();
+                Descriptor control = std::move(job.control);
+                if (control.fd() < 0) return;
+                job = started(std::move(job.again));
+                job.control = std::move(control);
+                return;
+            } catch (const std::system_error& error) {
+                answer.problem = error.code().value();
+            }
+        tell(job.control, answer);
     }
 
     const PictureModule* m_pictures;
@@ -261,6 +320,8 @@ int main(int argc, char** argv) {
     }
     if (argc == 2 && (mode == "--check" || mode == "--serve")) {
         prepareToRead();
+        // A sanitizer's copies of this process must wait for OpenVDB's threads.
+        if (!hasFilter()) loadOpenVdb();
         if (mode == "--check") return checkConfinement() ? 0 : 1;
         return Server(nullptr).serve();
     }

@@ -5,6 +5,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/system_error.h>
+#include <scrim/guard/field_transfer.h>
 #include <scrim/guard/mesh_transfer.h>
 #include <scrim/volume/read_fields.h>
 
@@ -20,24 +21,25 @@ constexpr std::size_t kModuleBytes = std::size_t{1} << 30;
 
 }  // namespace
 
-ReadMesh::ReadMesh(int transfer, LoadRequest request, int input) : m_transfer(transfer), m_request(std::move(request)) {
-    void* module = ::dlopen(m_request.source.c_str(), RTLD_LAZY | RTLD_LOCAL);
+ReadMesh::ReadMesh(int transfer, std::string path, const std::string& from, int input)
+    : m_transfer(transfer), m_path(std::move(path)) {
+    void* module = ::dlopen(from.c_str(), RTLD_LAZY | RTLD_LOCAL);
     void* function = module == nullptr ? nullptr : ::dlsym(module, SCRIM_MESH_MODULE_SYMBOL);
     if (function != nullptr) {
         m_module = reinterpret_cast<MeshModuleFunction>(function)();
     } else {
         const char* reason = ::dlerror();
-        m_problem = "cannot load '" + m_request.source + "', which reads meshes: " + (reason ? reason : "");
+        m_problem = "cannot load '" + from + "', which reads meshes: " + (reason ? reason : "");
         m_lacksMemory = limitsMemory(kModuleBytes);
     }
-    if (hasFilter()) AnsweredCalls::install(m_request.path, input);
+    if (hasFilter()) AnsweredCalls::install(m_path, input);
 }
 
 void ReadMesh::run() const {
     try {
-        readWithErrors(m_request.path, [&] {
+        readWithErrors(m_path, [&] {
             if (m_module == nullptr) throw Error(m_lacksMemory ? ErrorKind::memory : ErrorKind::render, m_problem);
-            sendMesh(m_transfer, m_module->read(m_request.path, true));
+            sendMesh(m_transfer, m_module->read(m_path, true));
         });
     } catch (const Error& error) {
         sendError(m_transfer, error);

@@ -5,7 +5,6 @@
 #include "confine.h"
 
 #include <scrim/solid/mesh_module.h>
-#include <scrim/guard/field_transfer.h>
 
 #include <string>
 
@@ -15,15 +14,14 @@ class ReadMesh {
   public:
     static constexpr Rights kRights = Rights::names;
 
-    /// Loads the module, which the request names as its source. From then on, names of files lead to the open file
-    /// `input` only.
-    ReadMesh(int transfer, LoadRequest request, int input);
+    /// Loads the module at the path `from`. From then on, names of files lead to the open file `input` only.
+    ReadMesh(int transfer, std::string path, const std::string& from, int input);
     /// Reads the file and sends its contents, or the error.
     void run() const;
 
   private:
     int m_transfer;
-    LoadRequest m_request;
+    std::string m_path;
     const MeshModule* m_module = nullptr;
     std::string m_problem;       ///< why the module cannot be loaded
     bool m_lacksMemory = false;  ///< lack of memory may be the reason

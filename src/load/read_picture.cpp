@@ -4,6 +4,7 @@
 #include "answered_calls.h"
 
 #include <scrim/base/error.h>
+#include <scrim/guard/field_transfer.h>
 #include <scrim/guard/picture_transfer.h>
 #include <scrim/volume/read_fields.h>
 
@@ -57,12 +58,13 @@ ReadPicture::ReadPicture(const PictureModule& module, int transfer, LoadRequest 
 void ReadPicture::run() const {
     try {
         readWithErrors(m_request.path, [&] {
-            if (m_request.what == kPictureHeader)
-                sendPictureHeader(m_transfer, m_module.header(m_request.path));
-            else if (m_request.what == kPictureDepth)
-                sendPictureDepth(m_transfer, m_module.depth(m_request.path, m_request.parameters.at(0).second));
+            const std::string& path = m_request.path;
+            if (std::holds_alternative<HeaderTask>(m_request.task))
+                sendPictureHeader(m_transfer, m_module.header(path));
+            else if (const auto* const depth = std::get_if<DepthTask>(&m_request.task))
+                sendPictureDepth(m_transfer, m_module.depth(path, depth->channel));
             else
-                sendPicture(m_transfer, m_module.read(m_request.path));
+                sendPicture(m_transfer, m_module.read(path));
         });
     } catch (const Error& error) {
         sendError(m_transfer, error);

@@ -5,7 +5,7 @@
 #include "confine.h"
 
 #include <scrim/image/picture_module.h>
-#include <scrim/guard/field_transfer.h>
+#include <scrim/guard/load_request.h>
 
 #include <string>
 

@@ -4,7 +4,7 @@
 
 #include "confine.h"
 
-#include <scrim/guard/field_transfer.h>
+#include <string>
 
 namespace scrim::load {
 
@@ -12,13 +12,13 @@ class ReadProfile {
   public:
     static constexpr Rights kRights = Rights::reading;
 
-    ReadProfile(int transfer, LoadRequest request, int input);
+    ReadProfile(int transfer, std::string path, int input);
     /// Reads the file and sends its contents, or the error.
     void run() const;
 
   private:
     int m_transfer;
-    LoadRequest m_request;
+    std::string m_path;
     int m_input;
 };
 

@@ -5,6 +5,7 @@
 #include "read_volume.h"
 
 #include <scrim/base/parallel.h>
+#include <scrim/guard/field_transfer.h>
 #include <scrim/volume/read_fields.h>
 
 #include <string>
@@ -13,16 +14,16 @@
 
 namespace scrim::load {
 
-ReadSource::ReadSource(int transfer, LoadRequest request, int input, int beside, int threads)
-    : m_transfer(transfer), m_threads(threads), m_request(std::move(request)) {
+ReadSource::ReadSource(int transfer, std::string path, SourceTask task, int input, int beside, int threads)
+    : m_transfer(transfer), m_threads(threads), m_path(std::move(path)), m_task(std::move(task)) {
     try {
-        m_source.emplace(m_request.source);
+        m_source.emplace(m_task.source);
     } catch (const Error& error) {
         m_problem = error;
     }
     if (!hasFilter()) return;
-    AnsweredCalls::install(m_request.path, input);
-    if (!m_request.beside.empty()) AnsweredCalls::add(m_request.beside, beside);
+    AnsweredCalls::install(m_path, input);
+    if (!m_task.beside.empty()) AnsweredCalls::add(m_task.beside, beside);
 }
 
 void ReadSource::send() const {
@@ -31,7 +32,7 @@ void ReadSource::send() const {
     const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
     TaskArena(m_threads).run([&] {
         TransferBlocks blocks(m_transfer);
-        const std::vector<SparseField> fields = m_source->run(m_request.parameters, hear, {}, blocks, true);
+        const std::vector<SparseField> fields = m_source->run(m_task.parameters, hear, {}, blocks, true);
         sendFields(m_transfer, fields, messages, &blocks);
     });
 }
@@ -39,7 +40,7 @@ void ReadSource::send() const {
 void ReadSource::run() const {
     allowThreadsWithArenas();
     try {
-        readWithErrors("source '" + sourceNameOf(m_request.source) + "': " + m_request.path, [&] { send(); });
+        readWithErrors("source '" + sourceNameOf(m_task.source) + "': " + m_path, [&] { send(); });
     } catch (const Error& error) {
         const std::string lacked = AnsweredCalls::lacked();
         if (lacked.empty())

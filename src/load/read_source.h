@@ -5,7 +5,7 @@
 #include "confine.h"
 
 #include <scrim/base/error.h>
-#include <scrim/guard/field_transfer.h>
+#include <scrim/guard/load_request.h>
 #include <scrim/volume/loaded_source.h>
 
 #include <optional>
@@ -18,7 +18,7 @@ class ReadSource {
 
     /// Loads the source, which may use `threads` threads. From then on, names of files lead to the open file `input`
     /// and to the one beside it, if there is one.
-    ReadSource(int transfer, LoadRequest request, int input, int beside, int threads);
+    ReadSource(int transfer, std::string path, SourceTask task, int input, int beside, int threads);
     /// Runs the source and sends its grids, or the error; where the source asked for another file beside its own, the
     /// error names it.
     void run() const;
@@ -27,7 +27,8 @@ class ReadSource {
     void send() const;
 
     int m_transfer, m_threads;
-    LoadRequest m_request;
+    std::string m_path;
+    SourceTask m_task;
     std::optional<LoadedSource> m_source;
     std::optional<Error> m_problem;  ///< why the source cannot be loaded
 };

@@ -1,29 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "read_volume.h"
 
+#include "vdb_library.h"
+
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/guard/field_transfer.h>
+#include <scrim/guard/load_protocol.h>
+#include <scrim/volume/direct_fields.h>
 #include <scrim/volume/read_fields.h>
 #include <scrim/volume/vdb_file.h>
 
-#include <openvdb/openvdb.h>
 #include <tbb/global_control.h>
 
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include <malloc.h>
+#include <unistd.h>
 
 namespace scrim::load {
 namespace {
 
-void sendAll(int transfer, const LoadRequest& request, const VdbBytes& bytes) {
-    if (request.what == "info") return sendInfo(transfer, VdbFile::open(bytes).info());
+void sendAll(int transfer, const LoadTask& task, const VdbBytes& bytes) {
+    const auto* const wanted = std::get_if<FieldsTask>(&task);
+    if (wanted == nullptr) return sendInfo(transfer, VdbFile::open(bytes).info());
     std::vector<TransferMessage> messages;
     const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
     TransferBlocks blocks(transfer);
-    const std::vector<SparseField> fields = readFields(bytes, request.grids, hear, blocks);
-    sendFields(transfer, fields, messages, &blocks);
+    if (triedOpenVdb()) return sendFields(transfer, readFields(bytes, wanted->grids, hear, blocks), messages, &blocks);
+    const auto fields = readWithoutOpenVdb(bytes, wanted->grids, hear, blocks);
+    if (!fields) ::_exit(kNeedsOpenVdb);
+    sendFields(transfer, *fields, messages, &blocks);
 }
 
 std::optional<tbb::global_control>& oneThread() {
@@ -35,9 +44,10 @@ std::optional<tbb::global_control>& oneThread() {
 
 void prepareToRead() {
     oneThread().emplace(tbb::global_control::max_allowed_parallelism, 1);
-    openvdb::initialize();
     // oneTBB looks for libraries of its own when the first loop runs. A single task would not start a loop.
     parallelFor(2, [](std::size_t) {});
+    // With its first thread the C library sets up signals, which a confined child may not.
+    std::thread([] {}).join();
     // Memory grows in large steps and is not returned to the system, since a child ends soon.
     constexpr int kStep = 16 << 20;
     ::mallopt(M_TOP_PAD, kStep);
@@ -66,7 +76,7 @@ void ReadVolume::run() const {
     allowThreads();
     try {
         readWithErrors(m_request.path,
-                       [&] { TaskArena(m_threads).run([&] { sendAll(m_transfer, m_request, *m_bytes); }); });
+                       [&] { TaskArena(m_threads).run([&] { sendAll(m_transfer, m_request.task, *m_bytes); }); });
     } catch (const Error& error) {
         sendError(m_transfer, error);
     }

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <new>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 #include <fcntl.h>
@@ -25,6 +26,8 @@ ErrorKind kindOfSystemError(int errorNumber, ErrorKind otherwise) {
     }
 }
 
+constexpr const char* kNoThreads = "out of memory or threads; raise the limit (ulimit -v, ulimit -u)";
+
 void throwAsError() {
     try {
         throw;
@@ -33,9 +36,12 @@ void throwAsError() {
     } catch (const std::length_error&) {
         throw Error(ErrorKind::memory, "out of memory: a single allocation exceeds the address space");
     } catch (const std::system_error& error) {
-        if (error.code() == std::errc::resource_unavailable_try_again)
-            throw Error(ErrorKind::memory, "out of memory or threads; raise the limit (ulimit -v, ulimit -u)");
+        if (error.code() == std::errc::resource_unavailable_try_again) throw Error(ErrorKind::memory, kNoThreads);
         throw Error(kindOfSystemError(error.code().value(), ErrorKind::render), error.what());
+    } catch (const std::runtime_error& error) {
+        // oneTBB's words where it cannot start a thread
+        if (!std::string_view(error.what()).starts_with("pthread_create has failed")) throw;
+        throw Error(ErrorKind::memory, kNoThreads);
     }
 }
 

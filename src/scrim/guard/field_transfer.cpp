@@ -166,24 +166,6 @@ void sendFields(int fd, const std::vector<SparseField>& fields, const std::vecto
     writer.finish(header, TransferKind::fields);
 }
 
-void sendRequest(int fd, const LoadRequest& request) {
-    TransferWriter writer(fd);
-    writer.text(request.what);
-    writer.text(request.path);
-    writer.text(request.source);
-    writer.text(request.beside);
-    writer.text(request.edit);
-    for (const GridRequest& grid : request.grids) writer.text(toText(grid));
-    for (const auto& [name, value] : request.parameters) {
-        writer.text(name);
-        writer.text(value);
-    }
-    TransferHeader header;
-    header.fields = request.grids.size();
-    header.messages = request.parameters.size();
-    writer.finish(header, TransferKind::request);
-}
-
 void sendInfo(int fd, const VdbFileInfo& info) {
     TransferWriter writer(fd);
     writer.text(toJson(info));
@@ -203,34 +185,17 @@ void sendError(int fd, const Error& error) {
     TransferWriter writer(fd);
     writer.text(error.what());
     TransferHeader header;
+    header.code = static_cast<std::uint32_t>(error.kind());
+    TransferKind kind = TransferKind::error;
     if (const auto* ofGrid = dynamic_cast<const GridError*>(&error)) {
         writer.text(toText(ofGrid->request()));
-        header.fields = 1;
+        kind = TransferKind::gridError;
     }
     if (const auto* beside = dynamic_cast<const BesideError*>(&error)) {
         writer.text(beside->name());
-        header.messages = 1;
+        kind = TransferKind::besideError;
     }
-    header.code = static_cast<std::uint32_t>(error.kind());
-    writer.finish(header, TransferKind::error);
-}
-
-LoadRequest receiveRequest(int fd) {
-    const TransferMapping mapping(fd, TransferMapping::Sender::trusted);
-    TransferReader reader(mapping);
-    const TransferHeader header = reader.header(TransferKind::request);
-    LoadRequest out;
-    out.what = reader.text();
-    out.path = reader.text();
-    out.source = reader.text();
-    out.beside = reader.text();
-    out.edit = reader.text();
-    for (std::uint64_t i = 0; i < header.fields; ++i) out.grids.push_back(gridRequestFrom(reader.text()));
-    for (std::uint64_t i = 0; i < header.messages; ++i) {
-        const std::string name = reader.text();
-        out.parameters.emplace_back(name, reader.text());
-    }
-    return out;
+    writer.finish(header, kind);
 }
 
 ReceivedFields receiveFields(int fd) {

@@ -8,6 +8,7 @@
 #include <scrim/base/system_error.h>
 #include <scrim/guard/field_transfer.h>
 #include <scrim/guard/load_protocol.h>
+#include <scrim/guard/load_request.h>
 #include <scrim/guard/transfer_file.h>
 #include <scrim/volume/ax_module.h>
 #include <scrim/volume/grid_choice.h>
@@ -173,13 +174,12 @@ std::string workOn(const std::string& name, const GridEdit* edit) {
     return fmt::format("{}: {} with its 'ax'", edit->programs.front().where, name);
 }
 
-LoadRequest requestOf(const std::string& what, const std::string& name, const std::vector<GridRequest>& grids,
-                      const GridEdit* edit) {
-    LoadRequest request{what, name, grids};
-    if (edit == nullptr) return request;
-    request.edit = toText(*edit);
-    if (!edit->programs.empty()) request.source = besideLibrary(kAxModule);
-    return request;
+LoadEdit loadEdit(const GridEdit& edit) {
+    return {edit, edit.programs.empty() ? "" : besideLibrary(kAxModule)};
+}
+
+std::optional<LoadEdit> loadEdit(const GridEdit* edit) {
+    return edit == nullptr ? std::nullopt : std::optional(loadEdit(*edit));
 }
 
 /// True for a file of points, which may become more voxels than its size suggests.
@@ -192,12 +192,14 @@ bool holdsPoints(const VdbBytes& file) {
     }
 }
 
-/// Starts a child that reads `what` of a file, and of the others that `edit` names. They are opened here, because
-/// children cannot open files.
-LoadJob begin(const std::string& what, const std::string& path, const std::vector<GridRequest>& requests,
-              const LoadOptions& options, int transfer, const GridEdit* edit = nullptr) {
+/// Starts a child for a task with a volume file, and with the others that its edit names. They are opened here,
+/// because children cannot open files.
+LoadJob begin(const std::string& path, LoadTask task, const LoadOptions& options, int transfer) {
+    const LoadRequest request{path, std::move(task)};
+    const LoadEdit* const first = editOf(request.task);
+    const GridEdit* const edit = first == nullptr ? nullptr : &first->edit;
     const VdbFiles files = openFiles(path, edit == nullptr ? std::span<const std::string>() : edit->files);
-    sendRequest(transfer, requestOf(what, path, requests, edit));
+    sendRequest(transfer, request);
     std::uint64_t bytes = 0;
     std::vector<int> descriptors;
     for (const auto& file : files) {
@@ -265,9 +267,9 @@ Result fileJob(LoadedFiles files, const Kind& kind, const LoadRequest& request, 
 }
 
 template <typename Result>
-Result pictureJob(const std::string& path, const std::string& what, Result (*receive)(int), const LoadOptions& options,
-                  const Checkpoint& checkpoint, const SourceParameters& parameters = {}) {
-    return fileJob(LoadedFiles::pictures, kPicture, {what, path, {}, "", parameters}, receive, options, checkpoint);
+Result pictureJob(const std::string& path, LoadTask task, Result (*receive)(int), const LoadOptions& options,
+                  const Checkpoint& checkpoint) {
+    return fileJob(LoadedFiles::pictures, kPicture, {path, std::move(task)}, receive, options, checkpoint);
 }
 
 }  // namespace
@@ -279,7 +281,7 @@ GuardedFields::GuardedFields(const std::string& path, const std::vector<GridRequ
       m_edit(edit == nullptr ? std::nullopt : std::optional(*edit)),
       m_identities(identities()),
       m_transfer(createTransfer()),
-      m_job(begin("fields", path, requests, options, m_transfer.fd(), edit)) {}
+      m_job(begin(path, FieldsTask{requests, loadEdit(edit)}, options, m_transfer.fd())) {}
 
 GuardedFields::Identity GuardedFields::identityOf(const std::string& path) {
     struct stat status {};
@@ -326,7 +328,7 @@ std::vector<SparseField> guardedEdit(const std::vector<SparseField>& grids, cons
     ReceivedFields result = withLoader(checkpoint, [&] {
         const Descriptor transfer(createTransfer()), made(createTransfer());
         sendFields(made.fd(), grids, {});
-        sendRequest(transfer.fd(), requestOf(kMadeFields, name, requests, &edit));
+        sendRequest(transfer.fd(), {name, MadeFieldsTask{requests, loadEdit(edit)}});
         LoadJob(options.loader, LoadedFiles::volumes, what, {transfer.fd(), made.fd()},
                 limitsFor(kEdited, bytes, options), options.showStderr)
             .wait(checkpoint);
@@ -343,7 +345,7 @@ VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, con
                         const GridEdit* edit) {
     return withLoader(checkpoint, [&] {
         const Descriptor transfer(createTransfer());
-        begin("info", path, {}, options, transfer.fd(), edit).wait(checkpoint);
+        begin(path, InfoTask{loadEdit(edit)}, options, transfer.fd()).wait(checkpoint);
         return received(path, [&] { return receiveInfo(transfer.fd()); });
     });
 }
@@ -352,7 +354,7 @@ std::string guardedFile(const std::string& path, const GridEdit& edit, const Loa
                         const MessageSink& messages, const Checkpoint& checkpoint) {
     return withLoader(checkpoint, [&] {
         const Descriptor transfer(createTransfer());
-        begin(kEditedFile, path, {}, options, transfer.fd(), &edit).wait(checkpoint);
+        begin(path, EditedFileTask{loadEdit(edit)}, options, transfer.fd()).wait(checkpoint);
         auto [bytes, said] = received(path, [&] { return receiveFile(transfer.fd()); });
         for (const TransferMessage& message : said) notify(messages, message.severity, message.text);
         return std::move(bytes);
@@ -360,25 +362,25 @@ std::string guardedFile(const std::string& path, const GridEdit& edit, const Loa
 }
 
 FilePicture guardedPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
-    return pictureJob<FilePicture>(path, "picture", receivePicture, options, checkpoint);
+    return pictureJob<FilePicture>(path, PictureTask(), receivePicture, options, checkpoint);
 }
 
 PictureHeader guardedHeader(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
-    return pictureJob<PictureHeader>(path, kPictureHeader, receivePictureHeader, options, checkpoint);
+    return pictureJob<PictureHeader>(path, HeaderTask(), receivePictureHeader, options, checkpoint);
 }
 
 FileDepth guardedDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
                        const Checkpoint& checkpoint) {
-    return pictureJob<FileDepth>(path, kPictureDepth, receivePictureDepth, options, checkpoint, {{"channel", channel}});
+    return pictureJob<FileDepth>(path, DepthTask{channel}, receivePictureDepth, options, checkpoint);
 }
 
 FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
-    return fileJob(LoadedFiles::volumes, kSource, {kMesh, path, {}, besideLibrary(kMeshModule)}, receiveMesh, options,
+    return fileJob(LoadedFiles::volumes, kSource, {path, MeshTask{besideLibrary(kMeshModule)}}, receiveMesh, options,
                    checkpoint);
 }
 
 FilePhotometry guardedPhotometry(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
-    return fileJob(LoadedFiles::volumes, kPicture, {kPhotometry, path, {}}, receivePhotometry, options, checkpoint);
+    return fileJob(LoadedFiles::volumes, kPicture, {path, PhotometryTask()}, receivePhotometry, options, checkpoint);
 }
 
 std::vector<SparseField> guardedSource(const std::string& source, const SourceParameters& parameters,
@@ -400,12 +402,12 @@ std::vector<SparseField> guardedSource(const std::string& source, const SourcePa
         files.emplace(*folder, "", checkpoint);
     const int input = files ? files->fd() : file->fd();
     const std::uint64_t size = files ? files->size() : file->size();
-    LoadRequest request{"source", path, {}, source, parameters};
+    SourceTask task{source, parameters};
     const auto madeWith = [&](const OpenFile* beside) {
         const std::uint64_t bytes = size + (beside == nullptr ? 0 : beside->size());
         return withLoader(checkpoint, [&] {
             const Descriptor transfer(createTransfer());
-            sendRequest(transfer.fd(), request);
+            sendRequest(transfer.fd(), {path, task});
             LoadJob(options.loader, LoadedFiles::volumes, what,
                     {transfer.fd(), input, beside == nullptr ? -1 : beside->fd()}, limitsFor(kSource, bytes, options),
                     options.showStderr)
@@ -418,7 +420,7 @@ std::vector<SparseField> guardedSource(const std::string& source, const SourcePa
             return madeWith(nullptr);
         } catch (const BesideError& error) {
             // Only now is the name of the second file known.
-            request.beside = error.name();
+            task.beside = error.name();
             const OpenFile beside((std::filesystem::path(path).parent_path() / error.name()).string());
             if (!beside.problem().empty()) throw;
             return madeWith(&beside);

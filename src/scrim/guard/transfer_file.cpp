@@ -59,6 +59,10 @@ GridRequest requestFrom(const std::string& text) {
     }
 }
 
+bool isOf(const TransferHeader& header, TransferKind kind) {
+    return header.kind == static_cast<std::uint32_t>(kind);
+}
+
 /// Throws the error that was sent instead of a result.
 [[noreturn]] void throwSent(const TransferHeader& header, TransferReader& reader) {
     const auto isKind = [&](ErrorKind kind) { return header.code == static_cast<std::uint32_t>(kind); };
@@ -70,8 +74,8 @@ GridRequest requestFrom(const std::string& text) {
                            : isKind(ErrorKind::output) ? (limitsFileSizes() ? ErrorKind::output : ErrorKind::memory)
                                                        : ErrorKind::input;
     const std::string problem = shortened(reader.text(), 2000);
-    if (header.fields != 0) throw GridError(problem, requestFrom(reader.text()));
-    if (header.messages == 0) throw Error(kind, problem);
+    if (isOf(header, TransferKind::gridError)) throw GridError(problem, requestFrom(reader.text()));
+    if (isOf(header, TransferKind::error)) throw Error(kind, problem);
     const std::string name = reader.text();
     if (!isNameWithin(name)) incompleteTransfer("it names a file in another folder");
     throw BesideError(Error(kind, problem), name);
@@ -205,8 +209,9 @@ TransferHeader TransferReader::header(TransferKind expected) {
         incompleteTransfer(fmt::format("it has {} bytes, expected {}", m_bytes.size(), header.bytes));
     if (header.contents < m_at || header.contents > m_bytes.size()) incompleteTransfer("its contents lie elsewhere");
     m_at = m_contents = header.contents;
-    if (header.kind == static_cast<std::uint32_t>(TransferKind::error)) throwSent(header, *this);
-    if (header.kind != static_cast<std::uint32_t>(expected)) incompleteTransfer("it holds something else");
+    for (const TransferKind error : {TransferKind::error, TransferKind::gridError, TransferKind::besideError})
+        if (isOf(header, error)) throwSent(header, *this);
+    if (!isOf(header, expected)) incompleteTransfer("it holds something else");
     return header;
 }
 

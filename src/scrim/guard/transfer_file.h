@@ -31,11 +31,13 @@ enum class TransferKind : std::uint32_t {
     pictureDepth = 8,
     file = 9,
     photometry = 10,
+    gridError = 11,
+    besideError = 12,
 };
 
 /// The start of the file; the contents that `kind` stands for begin at byte `contents` and reach to the end. An error
-/// consists of its text; a GridError (marked by `fields` = 1) adds the text of its request, a BesideError (marked by
-/// `messages` = 1) a file name. Numbers have this machine's byte order, because both ends run on it.
+/// consists of its text; a GridError adds the text of its request, a BesideError a file name. Numbers have this
+/// machine's byte order, because both ends run on it.
 struct TransferHeader {
     std::uint64_t magic = 0;
     std::uint64_t bytes = 0;  ///< size of the whole file

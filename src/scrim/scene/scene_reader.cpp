@@ -214,10 +214,16 @@ SceneText loadSceneText(const std::string& path) {
         throw Error(ErrorKind::input, fmt::format("{}: not a regular file; expected a scene (TOML)", path));
     std::ifstream file(path, std::ios::binary);
     if (!file) throw Error(ErrorKind::input, fmt::format("{}: the scene file cannot be read", path));
-    SceneText text{path, std::filesystem::path(path).parent_path().string(), std::string(kLargestFile + 1, '\0')};
-    file.read(text.text.data(), static_cast<std::streamsize>(text.text.size()));
+    SceneText text{path, std::filesystem::path(path).parent_path().string(), ""};
+    // Most scenes are small, and touching memory for the largest one takes longer than reading them.
+    constexpr std::size_t kStep = std::size_t{64} << 10;
+    while (file && text.text.size() <= kLargestFile) {
+        const std::size_t size = text.text.size();
+        text.text.resize(size + kStep);
+        file.read(text.text.data() + size, kStep);
+        text.text.resize(size + static_cast<std::size_t>(file.gcount()));
+    }
     if (file.bad()) throw Error(ErrorKind::input, fmt::format("{}: the scene file cannot be read", path));
-    text.text.resize(std::size_t(file.gcount()));
     if (text.text.size() > kLargestFile)
         throw Error(ErrorKind::input, fmt::format("{}: the scene file is larger than 16 MB", path));
     return text;

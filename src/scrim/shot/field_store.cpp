@@ -18,8 +18,6 @@
 namespace scrim {
 namespace {
 
-constexpr const char *kFile = "file", *kSource = "source", *kSet = "set";  // kinds of origins
-
 /// True if anything is computed from a volume's density, or if nothing at all is computed from the volume: then the
 /// density is read all the same, so that it is checked.
 bool usesDensity(const SceneVolume& volume) {
@@ -120,8 +118,10 @@ void FieldStore::setGrids(const std::string& volume, std::vector<SparseField> gr
     Grids& own = m_grids[volume];
     own.clear();
     for (SparseField& grid : grids) own.push_back(std::make_shared<SparseField>(std::move(grid)));
-    std::erase_if(m_fields,
-                  [&](const auto& entry) { return entry.first.first[0] == kSet && entry.first.first[1] == volume; });
+    std::erase_if(m_fields, [&](const auto& entry) {
+        const auto* const code = std::get_if<FromCode>(&entry.first.first);
+        return code != nullptr && code->volume == volume;
+    });
 }
 
 bool FieldStore::isFile(const SceneVolume& volume) const {
@@ -136,19 +136,10 @@ std::vector<VolumeFile> FieldStore::filesOf(const Scene& scene) const {
 }
 
 FieldStore::Origin FieldStore::originOf(const SceneVolume& volume, const VolumeFile& file) const {
-    Origin origin{kSource, volume.source};
-    if (hasGrids(volume.name)) {
-        origin = {kSet, volume.name};
-    } else if (volume.source.empty()) {
-        origin = {kFile, file.path};
-    } else {
-        for (const auto& [name, value] : volume.parameters) {
-            origin.push_back(name);
-            origin.push_back(value);
-        }
-    }
-    if (volume.edit) origin.push_back(toText(*editOf(volume, file)));
-    return origin;
+    const std::string edit = volume.edit ? toText(*editOf(volume, file)) : "";
+    if (hasGrids(volume.name)) return FromCode{volume.name, edit};
+    if (volume.source.empty()) return FromFile{file.path, edit};
+    return FromSource{volume.source, volume.parameters, edit};
 }
 
 std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, const VolumeFile& file, bool blurred) {
@@ -208,13 +199,13 @@ std::vector<SparseField> FieldStore::fieldsOf(const std::string& path, const std
     return loadFields(path, requests, m_options, m_messages, m_checkpoint, edit);
 }
 
-void FieldStore::load(const Origin& origin, const std::vector<Use>& missing) {
+void FieldStore::load(const FromFile& file, const std::vector<Use>& missing) {
     std::vector<GridRequest> requests;
     for (const Use& use : missing) requests.push_back(use.request);
     withPlaces(missing, [&] {
-        std::vector<SparseField> fields = fieldsOf(origin[1], requests, missing.front().edit.get());
+        std::vector<SparseField> fields = fieldsOf(file.path, requests, missing.front().edit.get());
         for (std::size_t i = 0; i < requests.size(); ++i)
-            m_fields[{origin, requests[i]}] = std::make_shared<SparseField>(std::move(fields[i]));
+            m_fields[{file, requests[i]}] = std::make_shared<SparseField>(std::move(fields[i]));
     });
 }
 
@@ -224,8 +215,9 @@ void FieldStore::makeEdited(const Origin& origin, const std::vector<Use>& missin
     for (const auto& grid : grids) fields.push_back(*grid);  // copies share their voxels
     std::vector<GridRequest> requests;
     for (const Use& use : missing) requests.push_back(use.request);
-    const std::string name =
-        origin[0] == kSet ? fmt::format("volume '{}'", origin[1]) : fmt::format("source '{}'", origin[1]);
+    const auto* const code = std::get_if<FromCode>(&origin);
+    const std::string name = code != nullptr ? fmt::format("volume '{}'", code->volume)
+                                             : fmt::format("source '{}'", std::get<FromSource>(origin).source);
     withPlaces(missing, [&] {
         std::vector<SparseField> edited =
             editedFields(fields, name, requests, *missing.front().edit, m_options, m_messages, m_checkpoint);
@@ -248,7 +240,7 @@ FieldStore::Grids FieldStore::generated(const SceneVolume& volume) const {
 
 void FieldStore::make(const Origin& origin, const std::vector<Use>& missing) {
     const SceneVolume& volume = *missing.front().volume;
-    const bool wasSet = origin[0] == kSet;
+    const bool wasSet = std::holds_alternative<FromCode>(origin);
     const Grids grids = wasSet ? m_grids.at(volume.name) : generated(volume);
     const std::string maker =
         wasSet ? fmt::format("volume '{}' has", volume.name) : fmt::format("source '{}' makes", volume.source);
@@ -320,25 +312,25 @@ void FieldStore::readAhead(const Scene& scene, const std::vector<VolumeFile>& fi
     Uses uses = usesOf(scene, files, shownOf(scene, files, culledOf(scene, files), volumesOf));
     dropKnown(uses);
     m_ahead.clear();
-    std::erase_if(uses, [](const auto& entry) { return entry.first[0] != kFile; });
+    std::erase_if(uses, [](const auto& entry) { return !std::holds_alternative<FromFile>(entry.first); });
     const auto [readers, each] = readersWithin(memory, uses.size(), m_options);
     for (const auto& [origin, missing] : uses)
-        if (m_ahead.size() < readers) begin(origin, missing, each);
+        if (m_ahead.size() < readers) begin(std::get<FromFile>(origin), missing, each);
 }
 
 /// Starts a child that reads a file.
-void FieldStore::begin(const Origin& origin, const std::vector<Use>& missing, const LoadOptions& options) {
+void FieldStore::begin(const FromFile& file, const std::vector<Use>& missing, const LoadOptions& options) {
     std::vector<GridRequest> requests;
     for (const Use& use : missing) requests.push_back(use.request);
-    m_ahead.emplace_back(origin[1], requests, options, missing.front().edit.get());
+    m_ahead.emplace_back(file.path, requests, options, missing.front().edit.get());
 }
 
 /// Loads the files of a frame, several of them side by side: small ones keep few threads busy.
 void FieldStore::loadFiles(const Uses& uses) {
     constexpr std::size_t kMostReaders = 8;  // each has all threads, and is waited for in turn
-    std::vector<const Uses::value_type*> files;
-    for (const auto& use : uses)
-        if (use.first[0] == kFile) files.push_back(&use);
+    std::vector<std::pair<const FromFile*, const std::vector<Use>*>> files;
+    for (const auto& [origin, missing] : uses)
+        if (const auto* const file = std::get_if<FromFile>(&origin)) files.emplace_back(file, &missing);
     const auto [readers, each] = readersWithin(m_options.memory, std::min(files.size(), kMostReaders), m_options);
     const bool together = m_options.volumes == VolumeLoading::guarded && readers > 1;
     const auto isRead = [&](const std::string& path) {
@@ -346,12 +338,12 @@ void FieldStore::loadFiles(const Uses& uses) {
     };
     for (std::size_t i = 0, begun = 0; i < files.size(); ++i) {
         for (; together && begun < std::min(files.size(), i + readers); ++begun) try {
-                const auto& [origin, missing] = *files[begun];
-                if (!isRead(origin[1])) begin(origin, missing, each);
+                const auto& [file, missing] = files[begun];
+                if (!isRead(file->path)) begin(*file, *missing, each);
             } catch (const Error&) {
                 // It occurs again, and is reported, when it is this file's turn.
             }
-        load(files[i]->first, files[i]->second);
+        load(*files[i].first, *files[i].second);
     }
 }
 
@@ -465,7 +457,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
     dropKnown(uses);
     loadFiles(uses);
     for (const auto& [origin, missing] : uses)
-        if (origin[0] != kFile) make(origin, missing);
+        if (!std::holds_alternative<FromFile>(origin)) make(origin, missing);
     m_ahead.clear();
     checkRoom(scene, files);
 
@@ -485,9 +477,9 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
 }
 
 std::shared_ptr<const SparseField> FieldStore::fieldOf(const std::string& path, const GridRequest& request) {
-    const Origin origin{kFile, path};
-    if (!m_fields.contains({origin, request})) load(origin, {{nullptr, nullptr, request, ""}});
-    return m_fields.at({origin, request});
+    const FromFile file{path, ""};
+    if (!m_fields.contains({file, request})) load(file, {{nullptr, nullptr, request, ""}});
+    return m_fields.at({file, request});
 }
 
 std::shared_ptr<const SparseField> FieldStore::sourceField(const std::string& source,

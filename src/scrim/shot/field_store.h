@@ -14,12 +14,14 @@
 #include <scrim/shot/shaded_field.h>
 #include <scrim/volume/source_parameters.h>
 
+#include <compare>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace scrim {
@@ -63,9 +65,22 @@ class FieldStore {
     ScanInfo scanInfo(const std::string& path) const;
 
   private:
-    /// A file, a source with its parameters, or the name of a volume whose grids were set; then what is done to the
-    /// grids.
-    using Origin = std::vector<std::string>;
+    /// Where fields come from: `edit` is the text of what is done to the grids; "": nothing.
+    struct FromFile {
+        std::string path, edit;
+        auto operator<=>(const FromFile&) const = default;
+    };
+    struct FromCode {
+        std::string volume, edit;  ///< the volume whose grids were set
+        auto operator<=>(const FromCode&) const = default;
+    };
+    struct FromSource {
+        std::string source;
+        SourceParameters parameters;
+        std::string edit;
+        auto operator<=>(const FromSource&) const = default;
+    };
+    using Origin = std::variant<FromFile, FromCode, FromSource>;
     using Key = std::pair<Origin, GridRequest>;
     struct Use {
         const SceneVolume* volume = nullptr;
@@ -96,9 +111,9 @@ class FieldStore {
                                       const GridEdit* edit);
     std::optional<std::vector<SparseField>> readBefore(const std::string& path,
                                                        const std::vector<GridRequest>& requests, const GridEdit* edit);
-    void begin(const Origin& origin, const std::vector<Use>& missing, const LoadOptions& options);
+    void begin(const FromFile& file, const std::vector<Use>& missing, const LoadOptions& options);
     void loadFiles(const Uses& uses);
-    void load(const Origin& origin, const std::vector<Use>& missing);
+    void load(const FromFile& file, const std::vector<Use>& missing);
     void make(const Origin& origin, const std::vector<Use>& missing);
     void makeEdited(const Origin& origin, const std::vector<Use>& missing, const Grids& grids);
     Grids generated(const SceneVolume& volume) const;

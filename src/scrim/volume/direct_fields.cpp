@@ -2,123 +2,134 @@
 #include <scrim/volume/direct_fields.h>
 
 #include <scrim/base/error.h>
+#include <scrim/volume/field_builder.h>
+#include <scrim/volume/field_choice.h>
 #include <scrim/volume/vdb_leaves.h>
-#include <scrim/volume/vdb_part.h>
+#include <scrim/volume/vdb_tree.h>
 
 #include <algorithm>
 #include <deque>
-#include <istream>
-#include <memory>
-#include <new>
-#include <type_traits>
-
-#include <openvdb/io/Compression.h>
-#include <openvdb/io/GridDescriptor.h>
-#include <openvdb/io/io.h>
+#include <exception>
+#include <set>
+#include <string>
 
 namespace scrim {
 namespace {
 
-/// From this version on, leaves are stored as readLeaves expects; it cannot be known how newer files store them.
-constexpr std::uint32_t kOldest = openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
-constexpr std::uint32_t kNewest = openvdb::OPENVDB_FILE_VERSION;
-
-/// A grid whose leaves have no values yet.
-struct TreeOfGrid {
-    openvdb::GridBase::Ptr grid;  ///< null: it needs OpenVDB
-    LeafFormat format;
-    std::uint64_t leavesAt = 0;
+/// What is wanted of one grid.
+struct Wanted {
+    std::vector<GridRequest> requests;
+    std::vector<FieldChoice> fields;  ///< one for each request
+    bool asFog = false;               ///< a level set is to become fog
 };
 
-LeafFormat formatOf(std::uint32_t compression, bool half, int channels) {
-    LeafFormat format;
-    format.codec = (compression & openvdb::io::COMPRESS_BLOSC) != 0 ? LeafFormat::Codec::blosc
-                   : (compression & openvdb::io::COMPRESS_ZIP) != 0 ? LeafFormat::Codec::zip
-                                                                    : LeafFormat::Codec::none;
-    format.masked = (compression & openvdb::io::COMPRESS_ACTIVE_MASK) != 0;
-    format.half = half;
-    format.channels = channels;
-    return format;
+/// All of the field that `choice` means but its values, which are those of the leaves, block by block.
+FieldPieces frameOf(const VdbTree& tree, const FieldChoice& choice) {
+    FieldPieces pieces;
+    pieces.name = fieldName(tree.name, choice);
+    pieces.wsFromIs = tree.wsFromIs;
+    pieces.blockOrigins = tree.leaves;
+    for (const VdbTree::Tile& tile : tree.tiles)
+        pieces.tiles.push_back(
+            {tile.origin, tile.edge, choice(tile.value.at(std::size_t(std::max(choice.component, 0))))});
+    return pieces;
 }
 
-/// Reads what lies before the leaves, in the order in which OpenVDB reads it (openvdb/io/Archive.cc).
-TreeOfGrid readTree(const VdbBytes& file, const VdbLayout& layout, const VdbLayout::Grid& place, bool asFog) {
-    VdbStream buffer(file, place.begin, place.end);
-    std::istream stream(&buffer);
-    stream.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
-    openvdb::io::setVersion(stream, {layout.libraryMajor, layout.libraryMinor}, layout.fileVersion);
-    auto metadata = std::make_shared<openvdb::io::StreamMetadata>();
-    openvdb::io::setStreamMetadataPtr(stream, metadata, /*transfer=*/true);
-
-    TreeOfGrid out;
-    openvdb::io::GridDescriptor descriptor;
-    const openvdb::GridBase::Ptr grid = descriptor.read(stream);
-    std::uint32_t compression = 0;
-    stream.read(reinterpret_cast<char*>(&compression), sizeof compression);
-    openvdb::io::setDataCompression(stream, compression);
-    openvdb::io::setHalfFloat(stream, grid->saveFloatAsHalf());
-    grid->readMeta(stream);
-    grid->readTransform(stream);
-    if (!grid->transform().isLinear()) return out;
-    if (asFog && grid->getGridClass() == openvdb::GRID_LEVEL_SET) return out;
-    grid->readTopology(stream);
-    out.format = formatOf(compression, grid->saveFloatAsHalf(), grid->isType<openvdb::FloatGrid>() ? 1 : 3);
-    out.leavesAt = place.begin + buffer.position();
-    out.grid = grid;
-    return out;
+/// True where a grid of so many channels has such components.
+bool hasAll(const VdbTree& tree, const Wanted& wanted) {
+    return std::all_of(wanted.fields.begin(), wanted.fields.end(), [&](const FieldChoice& field) {
+        return (tree.format.channels == 1) == (field.component == GridRequest::kScalar);
+    });
 }
 
-template <typename Grid>
-std::vector<SparseField> fill(const TreeOfGrid& tree, const VdbBytes& file, std::uint64_t end,
-                              const std::vector<DirectField>& wanted, BlockMemory& memory) {
-    const Grid& grid = static_cast<const Grid&>(*tree.grid);
-    const auto leaves = leavesOf(grid);
+/// The fields of grid `place` that are wanted; none where it needs OpenVDB.
+std::vector<SparseField> fieldsOf(const VdbBytes& file, const VdbLayout& layout, std::size_t place,
+                                  const Wanted& wanted, BlockMemory& memory) {
+    const VdbLayout::Grid& grid = layout.grids.at(place);
+    const std::optional<VdbTree> tree = readVdbTree(file, layout, grid);
+    if (!tree || !hasAll(*tree, wanted) || (tree->isLevelSet && wanted.asFog)) return {};
     std::deque<FieldFill> fields;
-    for (const DirectField& field : wanted) fields.emplace_back(frameOf(grid, leaves, field.choice), memory);
+    for (const FieldChoice& choice : wanted.fields) fields.emplace_back(frameOf(*tree, choice), memory);
     const auto visit = [&](std::size_t leaf, const LeafValues& values) {
-        for (std::size_t f = 0; f < wanted.size(); ++f) {
-            values.fill(std::max(wanted[f].choice.component, 0), wanted[f].choice, fields[f].block(leaf));
+        for (std::size_t f = 0; f < fields.size(); ++f) {
+            values.fill(std::max(wanted.fields[f].component, 0), wanted.fields[f], fields[f].block(leaf));
             fields[f].filled(leaf);
         }
     };
     std::vector<SparseField> out;
-    if (!readLeaves(file, tree.leavesAt, end, leaves.size(), tree.format, visit)) return out;
-    for (std::size_t f = 0; f < wanted.size(); ++f) {
+    if (!readLeaves(file, tree->leavesAt, grid.end, tree->leaves.size(), tree->format, visit)) return out;
+    for (std::size_t f = 0; f < fields.size(); ++f) {
         out.push_back(fields[f].finish());
-        placeOnFaces(out.back(), grid, wanted[f].choice);
+        if (tree->isStaggered) placeOnFaces(out.back(), wanted.fields[f]);
     }
     return out;
 }
 
-/// True where a grid of this type has such components.
-template <typename Grid>
-bool hasAll(const VdbLayout::Grid& place, const std::vector<DirectField>& wanted) {
-    constexpr bool kScalar = std::is_same_v<Grid, openvdb::FloatGrid>;
-    return place.type == Grid::gridType() && std::all_of(wanted.begin(), wanted.end(), [](const DirectField& field) {
-               return kScalar == (field.choice.component == GridRequest::kScalar);
-           });
-}
-
-}  // namespace
-
-std::vector<SparseField> directFields(const VdbBytes& file, const VdbLayout& layout, std::size_t place,
-                                      const std::vector<DirectField>& wanted, BlockMemory& memory) {
-    const VdbLayout::Grid& grid = layout.grids.at(place);
-    if (layout.fileVersion < kOldest || layout.fileVersion > kNewest || grid.instance) return {};
-    const bool scalar = hasAll<openvdb::FloatGrid>(grid, wanted);
-    if (!scalar && !hasAll<openvdb::Vec3SGrid>(grid, wanted)) return {};
-    const bool asFog = std::any_of(wanted.begin(), wanted.end(), [](const DirectField& f) { return f.asFog; });
+/// The same without errors about the file.
+std::vector<SparseField> soundFieldsOf(const VdbBytes& file, const VdbLayout& layout, std::size_t place,
+                                       const Wanted& wanted, BlockMemory& memory) {
     try {
-        const TreeOfGrid tree = readTree(file, layout, grid, asFog);
-        if (!tree.grid) return {};
-        return scalar ? fill<openvdb::FloatGrid>(tree, file, grid.end, wanted, memory)
-                      : fill<openvdb::Vec3SGrid>(tree, file, grid.end, wanted, memory);
+        return fieldsOf(file, layout, place, wanted, memory);
     } catch (const Error& error) {
         if (error.kind() != ErrorKind::input) throw;
         return {};
     } catch (const std::exception&) {
         return {};
     }
+}
+
+/// False where the grid that a request means surely needs OpenVDB, so that nothing is read in vain.
+bool mayBeDirect(const VdbLayout& layout, const std::vector<GridOffer>& offers, const GridRequest& request) {
+    const auto choice = chooseGrid(offers, request);
+    if (!choice || layout.isNano || !layout.points.empty()) return false;
+    const GridOffer& offer = offers[choice->grid];
+    const bool isFog = request.component == GridRequest::kScalar && offer.gridClass == "level set";
+    return (offer.type == kVdbFloats || offer.type == kVdbVectors) && !isFog;
+}
+
+}  // namespace
+
+std::map<GridRequest, SparseField> directFields(const VdbBytes& file, const VdbLayout& layout,
+                                                const std::vector<GridOffer>& offers,
+                                                const std::vector<GridRequest>& requests, BlockMemory& memory) {
+    std::map<std::size_t, Wanted> grids;
+    for (const GridRequest& request : std::set<GridRequest>(requests.begin(), requests.end())) {
+        const auto choice = chooseGrid(offers, request);
+        if (!choice) continue;
+        Wanted& wanted = grids[choice->grid];
+        wanted.requests.push_back(request);
+        wanted.fields.push_back({choice->component, request.part});
+        wanted.asFog = wanted.asFog || (request.component == GridRequest::kScalar &&
+                                        choice->component == GridRequest::kScalar && request.part == GridPart::whole);
+    }
+    std::map<GridRequest, SparseField> direct;
+    for (const auto& [place, wanted] : grids) {
+        std::vector<SparseField> fields = soundFieldsOf(file, layout, place, wanted, memory);
+        for (std::size_t i = 0; i < fields.size(); ++i) direct.emplace(wanted.requests[i], std::move(fields[i]));
+    }
+    return direct;
+}
+
+std::optional<std::vector<SparseField>> readWithoutOpenVdb(const VdbBytes& file,
+                                                           const std::vector<GridRequest>& requests,
+                                                           const MessageSink& messages, BlockMemory& memory) {
+    const VdbLayout layout = checkVdbLayout(file);
+    const std::vector<GridOffer> offers = offersOf(layout);
+    for (const GridRequest& request : requests)
+        if (!mayBeDirect(layout, offers, request)) return {};
+    const std::map<GridRequest, SparseField> direct = directFields(file, layout, offers, requests, memory);
+    std::vector<SparseField> fields;
+    for (const GridRequest& request : requests) {
+        const auto found = direct.find(request);
+        if (found == direct.end()) return {};
+        fields.push_back(found->second);
+    }
+    std::set<std::string> said;
+    for (const SparseField& field : fields)
+        reportCleaning(field, file.path(), [&](Severity severity, const std::string& text) {
+            if (said.insert(text).second) notify(messages, severity, text);
+        });
+    return fields;
 }
 
 }  // namespace scrim

@@ -5,6 +5,7 @@
 #include <scrim/base/messages.h>
 #include <scrim/volume/block_memory.h>
 #include <scrim/volume/field_builder.h>
+#include <scrim/volume/field_choice.h>
 #include <scrim/volume/grid_choice.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_info.h>
@@ -25,22 +26,6 @@ Int3 fromOpenVdb(const openvdb::Coord& c);
 /// The matrix of an affine transform.
 Mat4 fromOpenVdb(const openvdb::math::Transform& transform);
 
-/// What of a grid becomes a field.
-struct FieldChoice {
-    int component = GridRequest::kScalar;  ///< of a vec3 grid; kScalar for a scalar grid
-    GridPart part = GridPart::whole;       ///< `positive` and `negative` are those of a velocity
-    /// The number in the field that stands for `value`. NaN and infinity pass unchanged, so that cleaning finds them.
-    float operator()(float value) const {
-        if (part == GridPart::whole) return value;
-        const float v = part == GridPart::negative ? -value : value;
-        return v < 0 ? 0.0f : v;
-    }
-    /// The same for the value of a voxel.
-    float of(float value) const { return (*this)(value); }
-    float of(const openvdb::Vec3s& value) const { return (*this)(value[component]); }
-};
-/// The name of that field of the grid called `grid`.
-std::string fieldName(const std::string& grid, const FieldChoice& choice);
 /// Moves the component of a staggered velocity to the faces of voxels; leaves every other field unchanged.
 void placeOnFaces(SparseField& field, const openvdb::GridBase& grid, const FieldChoice& choice);
 

@@ -2,11 +2,12 @@
 // Internal: the values of a tree's leaves, straight from a .vdb file and on all threads.
 //
 // OpenVDB reads one leaf after another through a stream. Nearly all of a file is leaves, and each says how long it is:
-// so one thread can find where they begin while others unpack them. The trees above the leaves are left to OpenVDB.
+// so one thread can find where they begin while others unpack them. vdb_tree.h reads what lies above them.
 #pragma once
 
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_bytes.h>
+#include <scrim/volume/vdb_packed.h>
 
 #include <array>
 #include <bit>
@@ -15,15 +16,6 @@
 #include <functional>
 
 namespace scrim {
-
-/// How the leaves of a grid are stored (openvdb/io/Compression.h).
-struct LeafFormat {
-    enum class Codec { none, zip, blosc };
-    Codec codec = Codec::none;
-    int channels = 1;     ///< floats of a voxel
-    bool half = false;    ///< in 16 bits each
-    bool masked = false;  ///< mostly without the values of inactive voxels
-};
 
 /// The unpacked values of one leaf.
 struct LeafValues {
@@ -55,6 +47,6 @@ struct LeafValues {
 /// each, in any order and from several threads at a time. Returns false where the bytes are something else. Throws
 /// Error(input) where the disk fails, std::bad_alloc, and whatever `visit` throws.
 bool readLeaves(const VdbBytes& file, std::uint64_t begin, std::uint64_t end, std::size_t count,
-                const LeafFormat& format, const std::function<void(std::size_t, const LeafValues&)>& visit);
+                const ValueFormat& format, const std::function<void(std::size_t, const LeafValues&)>& visit);
 
 }  // namespace scrim

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Internal: the code that needs OpenVDB. Binding the 67,000 names of OpenVDB's library takes four times as long as the
 // rest of a program's start. Therefore the library is not linked to it. A module is, which is loaded only where this
-// process itself reads or writes .vdb files; the program `scrim-load`, which reads them on its behalf, is linked to it,
-// too.
+// process itself reads or writes .vdb files. So it is with the program `scrim-load`, which reads them on its behalf,
+// and without OpenVDB where it can (direct_fields.h).
 #pragma once
 
 #include <scrim/volume/ax_module.h>
@@ -58,7 +58,7 @@ struct VdbModule {
 using VdbModuleFunction = const VdbModule* (*)();
 
 /// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where it cannot be
-/// loaded. In `scrim-load` the module is part of the program.
+/// loaded. `scrim-load` has a module of its own.
 const VdbModule& vdbModule();
 
 }  // namespace scrim

@@ -227,26 +227,8 @@ void readNano(const VdbBytes& file, ParsedVdb& content, const std::optional<std:
 /// Reads fields of `places` without their grids where that is possible, and removes those from `places`.
 void readDirectly(const VdbBytes& file, ParsedVdb& content, const std::vector<GridRequest>& requests,
                   std::vector<std::size_t>& places, BlockMemory& memory) {
-    struct Wanted {
-        std::vector<GridRequest> requests;
-        std::vector<DirectField> fields;
-    };
-    std::map<std::size_t, Wanted> grids;
-    for (const GridRequest& request : std::set<GridRequest>(requests.begin(), requests.end())) {
-        const auto choice = chooseGrid(content.offers, request);
-        if (!choice) continue;
-        Wanted& wanted = grids[choice->grid];
-        wanted.requests.push_back(request);
-        const bool scalar = request.component == GridRequest::kScalar && choice->component == GridRequest::kScalar;
-        wanted.fields.push_back({{choice->component, request.part}, scalar && request.part == GridPart::whole});
-    }
-    for (const auto& [place, wanted] : grids) {
-        std::vector<SparseField> fields = directFields(file, content.layout, place, wanted.fields, memory);
-        if (fields.empty()) continue;
-        for (std::size_t i = 0; i < fields.size(); ++i)
-            content.direct.emplace(wanted.requests[i], std::move(fields[i]));
-        std::erase(places, place);
-    }
+    content.direct = directFields(file, content.layout, content.offers, requests, memory);
+    for (const auto& [request, field] : content.direct) std::erase(places, chooseGrid(content.offers, request)->grid);
 }
 
 /// Reads the grids that the content of a file needs for `requests` and the grids called `others`, or all grids.

@@ -16,6 +16,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -57,26 +58,30 @@ TEST_F(Loader, IsConfined) {
 #ifdef SCRIM_SANITIZED
     EXPECT_EQ(said, "no filter: this is a build with a sanitizer\n");
 #else
-    EXPECT_EQ(said,
-              "computing: allowed\nopening a file: killed\nmaking a socket: killed\nforking: killed\n"
-              "running a program: killed\nkilling another process: killed\naborting: killed\n"
-              "with threads\nstarting a thread: allowed\nfreeing a thread's memory: allowed\n"
-              "starting the threads of a loop: allowed\nmoving no other process: allowed\n"
-              "opening a file: killed\nopening a file in a thread: killed\n"
-              "opening a file in a thread from before: killed\nforking: killed\nforking in a thread: killed\n"
-              "running a program: killed\nmaking a socket: killed\nloading code: killed\n"
-              "with volume sources loaded (mesh, noise, primitives, scan)\n"
-              "opening the file: allowed\nopening the one beside it: allowed\nfinding no other file: allowed\n"
-              "starting a thread: allowed\nstarting no process: allowed\nwriting to the file: killed\n"
-              "making a file: killed\nremoving the file: killed\nmaking a socket: killed\n"
-              "running a program: killed\nloading code: killed\n"
-              "with expressions to compile\nmaking code: allowed\nstarting a thread: allowed\n"
-              "freeing a thread's memory: allowed\nfinding no file: allowed\nwriting to a file: killed\nwriting to a "
-              "file in a "
-              "thread from before: killed\nmaking a socket: killed\n"
-              "running a program: killed\nmaking code later: killed\nchanging memory into code later: killed\n"
-              "limits\nlowering a limit for good: allowed\n"
-              "asking for another process's limits: killed\nhanding over no more than it may: allowed\n");
+    const std::string threads =
+        "starting a thread: allowed\nfreeing a thread's memory: allowed\n"
+        "starting the threads of a loop: allowed\nmoving no other process: allowed\n"
+        "opening a file: killed\nopening a file in a thread: killed\n"
+        "opening a file in a thread from before: killed\nforking: killed\nforking in a thread: killed\n"
+        "running a program: killed\nmaking a socket: killed\nloading code: killed\n";
+    EXPECT_EQ(
+        said,
+        "computing: allowed\nopening a file: killed\nmaking a socket: killed\nforking: killed\n"
+        "running a program: killed\nkilling another process: killed\naborting: killed\n"
+        "with threads\n" +
+            threads + "with threads, and OpenVDB loaded\n" + threads +
+            "with volume sources loaded (mesh, noise, primitives, scan)\n"
+            "opening the file: allowed\nopening the one beside it: allowed\nfinding no other file: allowed\n"
+            "starting a thread: allowed\nstarting no process: allowed\nwriting to the file: killed\n"
+            "making a file: killed\nremoving the file: killed\nmaking a socket: killed\n"
+            "running a program: killed\nloading code: killed\n"
+            "with expressions to compile\nmaking code: allowed\nstarting a thread: allowed\n"
+            "freeing a thread's memory: allowed\nfinding no file: allowed\nwriting to a file: killed\nwriting to a "
+            "file in a "
+            "thread from before: killed\nmaking a socket: killed\n"
+            "running a program: killed\nmaking code later: killed\nchanging memory into code later: killed\n"
+            "limits\nlowering a limit for good: allowed\n"
+            "asking for another process's limits: killed\nhanding over no more than it may: allowed\n");
 #endif
 }
 
@@ -105,6 +110,31 @@ TEST_F(Loader, ReadsEveryKindOfFileAsThisProcessDoes) {
         }
     }
 }
+
+#ifndef SCRIM_SANITIZED
+/// True if a process has mapped OpenVDB's library.
+bool hasOpenVdb(int process) {
+    std::ifstream maps("/proc/" + std::to_string(process) + "/maps");
+    for (std::string line; std::getline(maps, line);)
+        if (line.find("libopenvdb.so") != std::string::npos) return true;
+    return false;
+}
+
+// Binding OpenVDB's names takes longer than reading a small file.
+TEST_F(Loader, LoadsOpenVdbWithTheFirstFileThatNeedsIt) {
+    for (const int old : loaders()) ::kill(old, SIGKILL);
+    ASSERT_TRUE(comesTrue([] { return loaders().empty(); }));
+    const std::size_t voxels = activeVoxels();
+    ASSERT_EQ(loaders().size(), 1u);
+    const int loader = loaders().front();
+    EXPECT_FALSE(hasOpenVdb(loader));
+    makeVdb(file("sphere.vdb"), {{.type = "sphere", .gridClass = "level set"}});
+    EXPECT_GT(loadFields(file("sphere.vdb"), {{}}, kGuarded, {}).at(0).activeVoxels, 0u);
+    EXPECT_TRUE(hasOpenVdb(loader));
+    EXPECT_EQ(activeVoxels(), voxels);
+    EXPECT_EQ(loaders(), std::vector<int>{loader});
+}
+#endif
 
 TEST_F(Loader, StartsOnceAndServesAll) {
     const std::size_t voxels = activeVoxels();

@@ -4,6 +4,7 @@
 #include "support/program_test.h"
 
 #include <scrim/base/parallel.h>
+#include <scrim/guard/load_request.h>
 #include <scrim/guard/field_transfer.h>
 #include <scrim/guard/load_fields.h>
 #include <scrim/guard/load_job.h>
@@ -419,16 +420,15 @@ class StuckChild : public SourceLoader {
 TEST_F(StuckChild, IsEndedWhereItReadsAPicture) {
     ASSERT_EQ(::mkfifo(file("pipe.png").c_str(), 0600), 0);
     const Descriptor input(::open(file("pipe.png").c_str(), O_RDWR | O_CLOEXEC));  // of which nothing ever comes
-    expectEnded(LoadedFiles::pictures, {"picture", file("pipe.png"), {}}, input.fd());
+    expectEnded(LoadedFiles::pictures, {file("pipe.png"), PictureTask()}, input.fd());
 }
 
 TEST_F(StuckChild, IsEndedWhereASourceReadsAFile) {
     write("in", "abc");
     const Descriptor input(::open(file("in").c_str(), O_RDONLY | O_CLOEXEC));
     for (const std::string act : {"sleep", "loop"})
-        expectEnded(LoadedFiles::volumes,
-                    {"source", file("in"), {}, sourceFile("readsfile"), with("in", {{"act", act}})}, input.fd(),
-                    act == "loop");
+        expectEnded(LoadedFiles::volumes, {file("in"), SourceTask{sourceFile("readsfile"), with("in", {{"act", act}})}},
+                    input.fd(), act == "loop");
 }
 
 }  // namespace
