@@ -184,6 +184,31 @@ std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& contex
     return code ? variablesIn(code->text) : std::vector<std::string>();
 }
 
+namespace {
+
+/// Reads by how much voxels are divided for the shading of the density; 0 stands for "auto".
+int readDetail(TomlTable& table, const SceneVolume& volume) {
+    const auto detail = table.find(k.detail);
+    if (!detail) return 1;
+    if (detail->isString() ? detail->string() != "auto" : !detail->isNumber()) detail->failExpecting(k.detail.form);
+    const int times = detail->isString() ? 0 : detail->integer();
+    if (times != 0 && times != 1 && times != 2 && times != 4 && times != 8) detail->failExpecting(k.detail.form);
+    const bool noise = volume.displacement || volume.shading.noise;
+    if (times == 0 && !noise)
+        detail->fail(
+            fmt::format("{} is \"auto\", and the volume has no noise to follow; expected 'displacement' or "
+                        "'noise' of 'density' beside it, or a number",
+                        k.detail));
+    if (times != 1 && !noise && !volume.shading.any() && volume.ramp.empty())
+        detail->fail(
+            fmt::format("{} needs shading, which it evaluates between voxels; expected 'displacement', or "
+                        "'noise', 'edge', 'remap', 'mask' or 'ramp' of 'density' beside it",
+                        k.detail));
+    return times;
+}
+
+}  // namespace
+
 std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& context, const SceneVolume& volume) {
     GridEdit edit = volume.edit ? *volume.edit : GridEdit();
     const auto at = [&](const std::string& where) {
@@ -205,7 +230,8 @@ std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& co
     }
     if (const auto points = table.find(k.points))
         edit.points = readPoints(points->table(fmt::format("{} of {}", k.points, table.description())), context);
-    if (!edit.editsGrids() && edit.points == PointLook()) return nullptr;
+    edit.detail = readDetail(table, volume);
+    if (!edit.changesGrids() && edit.detail == 1) return nullptr;
     edit.density = volume.densityGrid;
     return std::make_shared<const GridEdit>(std::move(edit));
 }
