@@ -188,22 +188,24 @@ namespace {
 
 /// Reads by how much voxels are divided for the shading of the density; 0 stands for "auto".
 int readDetail(TomlTable& table, const SceneVolume& volume) {
+    const DensityKeys& d = keysOf<DensityKeys>();
     const auto detail = table.find(k.detail);
     if (!detail) return 1;
-    if (detail->isString() ? detail->string() != "auto" : !detail->isNumber()) detail->failExpecting(k.detail.form);
-    const int times = detail->isString() ? 0 : detail->integer();
-    if (times != 0 && times != 1 && times != 2 && times != 4 && times != 8) detail->failExpecting(k.detail.form);
+    const bool isWord = detail->isString();
+    if (isWord ? detail->string() != "auto" : !detail->isNumber()) detail->failExpecting(k.detail.form);
+    const int times = isWord ? 0 : detail->integer();
+    if (!isWord && times != 1 && times != 2 && times != 4 && times != 8) detail->failExpecting(k.detail.form);
     const bool noise = volume.displacement || volume.shading.noise;
     if (times == 0 && !noise)
         detail->fail(
-            fmt::format("{} is \"auto\", and the volume has no noise to follow; expected 'displacement' or "
-                        "'noise' of 'density' beside it, or a number",
-                        k.detail));
+            fmt::format("{} is \"auto\", and the volume has no noise to follow; expected {} or {} of {} beside "
+                        "it, or a number",
+                        k.detail, k.displacement, d.noise, k.density));
     if (times != 1 && !noise && !volume.shading.any() && volume.ramp.empty())
         detail->fail(
-            fmt::format("{} needs shading, which it evaluates between voxels; expected 'displacement', or "
-                        "'noise', 'edge', 'remap', 'mask' or 'ramp' of 'density' beside it",
-                        k.detail));
+            fmt::format("{} needs shading, which it evaluates between voxels; expected {}, or {}, {}, {}, {} or "
+                        "{} of {} beside it",
+                        k.detail, k.displacement, d.noise, d.edge, d.remap, d.mask, d.ramp, k.density));
     return times;
 }
 

@@ -35,6 +35,9 @@ constexpr double kShown = 6e-3, kMostWay = 100;
 /// that a silhouette only touches.
 constexpr double kBeside = 0.1;
 
+/// If more of the blocks than this are to be divided, all are.
+constexpr double kMostDivided = 0.5;
+
 /// Deeper than this nothing shows, whatever changes: exp(-7) is 0.0009.
 constexpr double kDark = 7;
 
@@ -406,16 +409,19 @@ DetailedDensity detailedDensity(const DetailSource& source) {
     const bool varies = source.shading.noise || source.shading.mask || source.displacement;
     const std::vector<Int3> all = blocksOf(*source.displaced, source.times, varies || source.whole);
     const Shaded shaded(source);
-    if (source.whole) {
+    const auto divideAll = [&]() -> DetailedDensity {
         if (all.size() > kMostBlocks) tooMany(*source.grid, source.times);
         return {std::make_shared<SparseField>(latticeOf(*source.grid, 1)),
                 finerField(shaded, all, [&](std::size_t b, float* to) {
                     if (!shaded.fill(all[b], to)) std::fill_n(to, kBlockVoxels, 0.0f);
                 })};
-    }
+    };
+    if (source.whole) return divideAll();
     const Between coarse(*whole, source.times);
     const WaysOut ways = source.hides ? WaysOut(*whole, double(source.shortDepth), source.inside) : WaysOut();
     const FinerBlocks blocks = finerBlocks(all, source, shaded, coarse, ways);
+    // Sheets for two sizes of voxels take longer than more voxels of one size.
+    if (double(blocks.shown.size()) > kMostDivided * double(all.size())) return divideAll();
     if (blocks.shown.size() > kMostBlocks) tooMany(*source.grid, source.times);
     const FieldPointer left = undivided(*whole, Divided(*whole, blocks, source.times));
     const Between kept(*left, source.times);

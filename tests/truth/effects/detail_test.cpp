@@ -40,6 +40,13 @@ DensityShading eroded() {
     return shading;
 }
 
+/// An edge within the rim, much sharper than voxels.
+DensityShading carved() {
+    DensityShading shading;
+    shading.edge = {{0.25, 0.35}};
+    return shading;
+}
+
 DetailSource sourceOf(const FieldPointer& grid, const DensityShading& shading, double depth, int times = 2) {
     DetailSource out;
     out.grid = out.displaced = grid;
@@ -210,7 +217,7 @@ ViewScene viewOf(const DetailedDensity& parts, double depth) {
     Medium medium;
     medium.densityScale = depth / kVoxel;
     medium.albedo = Rgb(0.9, 0.8, 0.7);
-    ViewScene scene = orthographicScene(parts.finer, medium, 16, 40);
+    ViewScene scene = orthographicScene(parts.finer, medium, 22, 40);
     scene.volumes.front().place = 0;
     scene.lights = {distantLight({-1, -0.6, -0.5}, 3)};
     if (parts.coarse->empty()) return scene;
@@ -220,20 +227,23 @@ ViewScene viewOf(const DetailedDensity& parts, double depth) {
     return scene;
 }
 
+/// The root mean square difference of colours, relative to the mean.
 double difference(const Image& a, const Image& b) {
     double squares = 0, sum = 0;
     for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+        if (i % 4 == 3) continue;
         squares += std::pow(double(a.rgba[i]) - double(b.rgba[i]), 2);
         sum += double(b.rgba[i]);
     }
-    return std::sqrt(squares / double(a.rgba.size())) / (sum / double(a.rgba.size()));
+    const double count = 0.75 * double(a.rgba.size());
+    return std::sqrt(squares / count) / (sum / count);
 }
 
 TEST(Detail, LooksLikeAllFinerVoxelsInEveryLight) {
     const double depth = 0.5;
-    const DetailSource source = sourceOf(ball(), eroded(), depth);
+    const DetailSource source = sourceOf(ball(20), carved(), depth);
     const DetailedDensity parts = detailedDensity(source), whole = wholeOf(source);
-    const auto compare = [&](const char* name, const std::function<void(ViewScene&)>& change, double most) {
+    const auto compare = [&](const char* name, double most, const std::function<void(ViewScene&)>& change) {
         ViewScene two = viewOf(parts, depth), one = viewOf(whole, depth);
         ASSERT_EQ(two.volumes.size(), 2u);
         change(two);
@@ -242,32 +252,32 @@ TEST(Detail, LooksLikeAllFinerVoxelsInEveryLight) {
         const Image a = renderScene(refined(two)).image, b = renderScene(refined(one)).image;
         EXPECT_LT(difference(a, b), most) << name;
     };
-    compare(
-        "sun", [](ViewScene&) {}, 0.005);
-    compare(
-        "lamp",
-        [](ViewScene& s) {
-            s.lights = {lamp({3, 9, 6}, 300)};
-        },
-        0.012);
-    const auto setAll = [](ViewScene& s, Scattering scattering) {
-        for (ViewVolume& v : s.volumes) v.medium.scattering = scattering;
+    // Each of the two is within about 1 % of the truth, and with cells of unlike size within 2 to 3 %.
+    constexpr double kSheets = 0.015, kCells = 0.04;
+    const auto scatter = [](ViewScene& s, Scattering scattering) {
+        for (ViewVolume& v : s.volumes) {
+            v.medium.scattering = scattering;
+            v.medium.octaves.count = 6;
+        }
     };
-    compare(
-        "octaves", [&](ViewScene& s) { setAll(s, Scattering::octaves); }, 0.005);
-    // Cells of the solve are as large as the coarser voxels need.
-    compare(
-        "full", [&](ViewScene& s) { setAll(s, Scattering::full); }, 0.02);
-    compare(
-        "sky", [](ViewScene& s) { s.lights = {domeLight(24)}; }, 0.02);
+    const auto inLamp = [](ViewScene& s) { s.lights.front() = lamp({8, 20, 16}, 2000); };
+    const auto inSky = [](ViewScene& s) { s.lights.front() = domeLight(24); };
+    const auto octaves = [&](ViewScene& s) { scatter(s, Scattering::octaves); };
+    const auto full = [&](ViewScene& s) { scatter(s, Scattering::full); };
+    compare("sun", kSheets, [](ViewScene&) {});
+    compare("lamp", kSheets, inLamp);
+    compare("octaves", kSheets, octaves);
+    compare("full", kCells, full);
+    compare("sky", kCells, inSky);
     // Without detail, the picture is another one.
     const DetailedDensity none{std::make_shared<SparseField>(), source.shaded};
-    EXPECT_GT(difference(renderScene(viewOf(none, depth)).image, renderScene(viewOf(whole, depth)).image), 0.03);
+    EXPECT_GT(difference(renderScene(viewOf(none, depth)).image, renderScene(viewOf(whole, depth)).image), 0.08);
 }
 
 TEST(Detail, AgreesWithBruteForce) {
     const double depth = 0.5;
-    const ViewScene scene = viewOf(detailedDensity(sourceOf(ball(), eroded(), depth)), depth);
+    const ViewScene scene = viewOf(detailedDensity(sourceOf(ball(20), carved(), depth)), depth);
+    ASSERT_EQ(scene.volumes.size(), 2u);
     // The silhouette is sharp.
     expectConvergence(scene, 60, 0.5, 0.01);
 }
