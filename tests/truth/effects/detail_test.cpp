@@ -274,6 +274,23 @@ TEST(Detail, LooksLikeAllFinerVoxelsInEveryLight) {
     EXPECT_GT(difference(renderScene(viewOf(none, depth)).image, renderScene(viewOf(whole, depth)).image), 0.08);
 }
 
+TEST(Detail, SharesTheLayersOfItsVolume) {
+    const double depth = 0.5;
+    ViewScene two = viewOf(detailedDensity(sourceOf(ball(20), carved(), depth)), depth);
+    two.volumeCount = 1;
+    two.layers = {Layer::volume, Layer::cryptomatte};
+    const Frame frame = renderScene(two);
+    ASSERT_EQ(frame.layers.size(), 2u) << "one of each for both fields";
+    double most = 0, brightest = 0;
+    for (std::size_t p = 0; p < frame.image.rgba.size() / 4; ++p)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double beauty = double(frame.image.rgba[4 * p + c]);
+            most = std::max(most, std::abs(double(frame.layers.front().data[3 * p + c]) - beauty));
+            brightest = std::max(brightest, beauty);
+        }
+    EXPECT_LT(most, 1e-5 * brightest);
+}
+
 TEST(Detail, AgreesWithBruteForce) {
     const double depth = 0.5;
     const ViewScene scene = viewOf(detailedDensity(sourceOf(ball(20), carved(), depth)), depth);
