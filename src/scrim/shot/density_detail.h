@@ -45,7 +45,8 @@ struct DetailedDensity {
     FieldPointer finer;   ///< on voxels of 1 / DetailSource::times of the edge, every so many of which lie on one voxel
 };
 
-/// Divides voxels as far as it shows; all of them, if that is about half of them. Throws Error(memory) where that takes too many.
+/// Divides voxels as far as it shows; all of them, if that is about half of them. Throws Error(memory) where that takes
+/// too many.
 DetailedDensity detailedDensity(const DetailSource& source);
 
 /// By how much voxels have to be divided so that two of them fit a feature of the noise's finest octave: 1, 2 or 4.
