@@ -184,6 +184,33 @@ std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& contex
     return code ? variablesIn(code->text) : std::vector<std::string>();
 }
 
+namespace {
+
+/// Reads by how much voxels are divided for the shading of the density; 0 stands for "auto".
+int readDetail(TomlTable& table, const SceneVolume& volume) {
+    const DensityKeys& d = keysOf<DensityKeys>();
+    const auto detail = table.find(k.detail);
+    if (!detail) return 1;
+    const bool isWord = detail->isString();
+    if (isWord ? detail->string() != "auto" : !detail->isNumber()) detail->failExpecting(k.detail.form);
+    const int times = isWord ? 0 : detail->integer();
+    if (!isWord && times != 1 && times != 2 && times != 4 && times != 8) detail->failExpecting(k.detail.form);
+    const bool noise = volume.displacement || volume.shading.noise;
+    if (times == 0 && !noise)
+        detail->fail(
+            fmt::format("{} is \"auto\", and the volume has no noise to follow; expected {} or {} of {} beside "
+                        "it, or a number",
+                        k.detail, k.displacement, d.noise, k.density));
+    if (times != 1 && !noise && !volume.shading.any() && volume.ramp.empty())
+        detail->fail(
+            fmt::format("{} needs shading, which it evaluates between voxels; expected {}, or {}, {}, {}, {} or "
+                        "{} of {} beside it",
+                        k.detail, k.displacement, d.noise, d.edge, d.remap, d.mask, d.ramp, k.density));
+    return times;
+}
+
+}  // namespace
+
 std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& context, const SceneVolume& volume) {
     GridEdit edit = volume.edit ? *volume.edit : GridEdit();
     const auto at = [&](const std::string& where) {
@@ -205,7 +232,8 @@ std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& co
     }
     if (const auto points = table.find(k.points))
         edit.points = readPoints(points->table(fmt::format("{} of {}", k.points, table.description())), context);
-    if (!edit.editsGrids() && edit.points == PointLook()) return nullptr;
+    edit.detail = readDetail(table, volume);
+    if (!edit.changesGrids() && edit.detail == 1) return nullptr;
     edit.density = volume.densityGrid;
     return std::make_shared<const GridEdit>(std::move(edit));
 }

@@ -74,7 +74,7 @@ int lightOfLayer(const ViewScene& scene, int light) {
 }
 
 std::size_t placesOf(const ViewScene& scene) {
-    return std::max(scene.volumeCount, scene.volumes.size());
+    return scene.volumeCount > 0 ? scene.volumeCount : scene.volumes.size();
 }
 
 std::vector<ViewField> fieldsOf(const ViewVolume& volume) {

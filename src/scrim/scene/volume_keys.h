@@ -404,6 +404,12 @@ struct VolumeKeys : SectionOf<SceneVolume> {
         number("resample", Range::fromTo(0.125, 16), 1,
                "Divides voxels by this factor along each axis, so that 'ax' can add detail finer than the file's "
                "voxels. 2 takes 8 times the memory.");
+    const Key& detail =
+        other("detail", "1, 2, 4, 8 or \"auto\"", R"({"enum":[1,2,4,8,"auto"]})", {},
+              "Evaluates the shading of the density on voxels divided by this factor along each axis, but only where "
+              "that shows: at silhouettes and where noise changes much within a voxel. \"auto\": as the finest octave "
+              "of its noise needs, at most 4.")
+            .unless("1");
     const Key& ax = text("ax", "code in OpenVDB AX",
                          "Changes grids, and makes new ones, at each active voxel: \"f@density *= 2;\". $frame, $time "
                          "(in seconds) and $seed are known, and numbers of 'parameters'.");

@@ -57,6 +57,7 @@ std::size_t derivedBytes(const std::vector<ViewVolume>& volumes, const std::vect
     std::set<FieldPointer> given, made;
     for (const VolumeFields& of : fields) {
         given.insert(of.density);
+        given.insert(of.finer);
         given.insert(of.emission.begin(), of.emission.end());
     }
     std::size_t bytes = 0;
@@ -76,6 +77,13 @@ std::optional<Kernel> kernelOf(GridInterpolation interpolation) {
     return interpolation == GridInterpolation::smooth ? Kernel::bspline : Kernel::linear;
 }
 
+// The fields of a volume's detail, which is a volume of its own. Only one of both glows.
+VolumeFields detailOf(VolumeFields fields) {
+    fields.density = fields.finer;
+    fields.emission.clear();
+    return fields;
+}
+
 // A volume with all fields that are derived from its grids; no value where all of it is empty. `view` is told what was
 // left out of it.
 std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields,
@@ -93,7 +101,7 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
     if (std::count(out.shadows.begin(), out.shadows.end(), false) == 0) out.shadows.clear();
     out.holdout = volume.holdout;
     FieldPointer density = fields.density ? fields.density : std::make_shared<SparseField>();
-    if (!volume.ramp.empty()) density = withRamp(*density, volume.ramp);
+    if (!volume.ramp.empty() && !fields.finer) density = withRamp(*density, volume.ramp);
     // What is classified is cut where it is seen, because its values must not change.
     const auto cut = [&](const FieldPointer& field) {
         return volume.classified || volume.clip.empty() ? field : clippedField(field, volume.clip);
@@ -177,11 +185,14 @@ void place(const SceneVolume& volume, const VolumeFields& fields, ViewVolume& ou
 void cull(const Scene& scene, ViewScene& view) {
     std::vector<std::optional<std::vector<Vec3>>> corners(scene.volumes.size(), std::vector<Vec3>{});
     for (const ViewVolume& volume : view.volumes)
-        corners[std::size_t(volume.place)] = wsCorners(volume, scene.dials.kernel);
+        for (const Vec3& corner : wsCorners(volume, scene.dials.kernel))
+            corners[std::size_t(volume.place)]->push_back(corner);
     const std::vector<std::string> reasons = culledVolumes(scene, corners);
+    int last = -1;  // of a volume and its detail one is reported
     std::erase_if(view.volumes, [&](const ViewVolume& volume) {
         const std::string& reason = reasons[std::size_t(volume.place)];
-        if (!reason.empty()) view.culled.emplace_back(volume.name, reason);
+        if (!reason.empty() && last != volume.place) view.culled.emplace_back(volume.name, reason);
+        last = volume.place;
         return !reason.empty();
     });
 }
@@ -226,13 +237,17 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     out.lines = scene.lines;
     out.volumeCount = scene.volumes.size();
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-        std::optional<ViewVolume> volume = viewOf(scene, scene.volumes[i], fields[i], volumesOf, levels, out);
-        if (!volume || (!fields[i].culled.empty() && volumesOf == VolumesOf::picture)) {
-            if (!fields[i].culled.empty()) out.culled.emplace_back(scene.volumes[i].name, fields[i].culled);
-            continue;
-        }
-        volume->place = static_cast<int>(i);
-        out.volumes.push_back(std::move(*volume));
+        const std::size_t before = out.volumes.size();
+        const auto add = [&](const VolumeFields& of) {
+            std::optional<ViewVolume> volume = viewOf(scene, scene.volumes[i], of, volumesOf, levels, out);
+            if (!volume) return;
+            volume->place = static_cast<int>(i);
+            out.volumes.push_back(std::move(*volume));
+        };
+        const bool culled = !fields[i].culled.empty();
+        if (!culled || volumesOf == VolumesOf::scene) add(fields[i]);
+        if (fields[i].finer) add(detailOf(fields[i]));
+        if (culled && out.volumes.size() == before) out.culled.emplace_back(scene.volumes[i].name, fields[i].culled);
     }
     checkShadows(scene, out);
     if (volumesOf == VolumesOf::picture) cull(scene, out);

@@ -28,6 +28,9 @@ struct VolumeFields {
     std::vector<std::shared_ptr<const SparseField>> sources = {};
     /// Why the picture has no use for the volume, which then may not be loaded; empty: it is used.
     std::string culled = {};
+    /// Where shading is evaluated between voxels, too: the rest of the density, on finer voxels. Both have the ramp
+    /// already. Null: there is no such detail.
+    std::shared_ptr<const SparseField> finer = nullptr;
 };
 
 /// The volumes to assemble: those that the picture needs, or all of the scene, for a check of the picture that must not

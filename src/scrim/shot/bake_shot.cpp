@@ -12,6 +12,7 @@
 #include <scrim/scene/layer_names.h>
 #include <scrim/scene/nearest_name.h>
 #include <scrim/shot/shot_content.h>
+#include <scrim/volume/grid_edit.h>
 
 #include <algorithm>
 #include <map>
@@ -237,6 +238,19 @@ void warnOfLooks(const Scene& scene, const MessageSink& messages) {
     }
 }
 
+// Grids of light have the voxels of their volume, and not those of its detail.
+void leaveOutDetail(Scene& scene, const MessageSink& messages) {
+    for (SceneVolume& volume : scene.volumes) {
+        if (!volume.edit || volume.edit->detail == 1) continue;
+        GridEdit edit = *volume.edit;
+        edit.detail = 1;
+        volume.edit = std::make_shared<const GridEdit>(std::move(edit));
+        notify(messages, Severity::warning,
+               fmt::format("{}volume '{}': its grids of light are those without 'detail'",
+                           placed(scene, "volume." + volume.name + ".detail"), volume.name));
+    }
+}
+
 }  // namespace
 
 BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, const RenderOptions& options) {
@@ -246,6 +260,7 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
         // What a text says wrongly is refused before its reader's warnings, which are about pictures.
         if (content.text) outputFromWorking(content.sceneUnframed(frame), content.stores->colour);
         Scene scene = withOptions(content.sceneAt(frame, options), options, *content.stores);
+        leaveOutDetail(scene, options.messages);
         const std::vector<bool> wanted = wantedLights(scene, request);
         const std::string space = scene.output.colorspace;
         const Mat3 toOutput = outputFromWorking(scene, content.stores->colour);

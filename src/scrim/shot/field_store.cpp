@@ -70,7 +70,8 @@ std::size_t chooseGridOf(const std::vector<std::shared_ptr<const SparseField>>& 
 
 /// What is done to the grids of the volume, with the files that were found; null: nothing.
 std::shared_ptr<const GridEdit> editOf(const SceneVolume& volume, const VolumeFile& file) {
-    if (!volume.edit || volume.edit->files == file.all) return volume.edit;
+    if (!volume.edit || !volume.edit->changesGrids()) return nullptr;
+    if (volume.edit->files == file.all) return volume.edit;
     GridEdit edit = *volume.edit;
     edit.files = file.all;
     if (edit.files.empty()) edit.grids.clear();  // the volume's grids were set
@@ -136,7 +137,8 @@ std::vector<VolumeFile> FieldStore::filesOf(const Scene& scene) const {
 }
 
 FieldStore::Origin FieldStore::originOf(const SceneVolume& volume, const VolumeFile& file) const {
-    const std::string edit = volume.edit ? toText(*editOf(volume, file)) : "";
+    const auto own = editOf(volume, file);
+    const std::string edit = own ? toText(*own) : "";
     if (hasGrids(volume.name)) return FromCode{volume.name, edit};
     if (volume.source.empty()) return FromFile{file.path, edit};
     return FromSource{volume.source, volume.parameters, edit};
@@ -244,7 +246,7 @@ void FieldStore::make(const Origin& origin, const std::vector<Use>& missing) {
     const Grids grids = wasSet ? m_grids.at(volume.name) : generated(volume);
     const std::string maker =
         wasSet ? fmt::format("volume '{}' has", volume.name) : fmt::format("source '{}' makes", volume.source);
-    if (volume.edit) return makeEdited(origin, missing, grids);
+    if (missing.front().edit) return makeEdited(origin, missing, grids);
     for (const Use& use : missing) {
         const std::string& where = use.where.empty() ? use.volume->where : use.where;
         m_fields[{origin, use.request}] = grids[chooseGridOf(grids, use.request, where, maker)];
@@ -393,15 +395,27 @@ class FieldStore::GridsOf {
     std::optional<BetweenFields> m_between;
 };
 
-VolumeFields FieldStore::fieldsOf(const SceneVolume& volume, const VolumeFile& file, double fps, bool blurred) {
-    VolumeFields fields;
-    GridsOf grids(*this, volume, file, fps);
-    if (usesDensity(volume)) {
-        const auto& mask = volume.shading.mask;
-        fields.density = m_shader.density(volume, grids.displacedAt({volume.densityGrid}),
-                                          mask ? grids.displacedAt({mask->grid}) : nullptr);
-        for (int c = 0; volume.albedoGrid && c < 3; ++c) fields.albedo[c] = grids.displacedAt(albedoRequest(volume, c));
+/// Adds the density with its detail, and the albedo.
+void FieldStore::addDensity(const Scene& scene, const SceneVolume& volume, GridsOf& grids, VolumeFields& fields) {
+    const auto& mask = volume.shading.mask;
+    const FieldPointer grid = grids.at({volume.densityGrid}), displaced = m_shader.displaced(volume, grid);
+    const FieldPointer masks = mask ? grids.displacedAt({mask->grid}) : nullptr;
+    fields.density = m_shader.density(volume, displaced, masks);
+    if (auto detail = detailOf(scene, volume, grid)) {
+        detail->displaced = displaced;
+        detail->shaded = fields.density;
+        detail->mask = masks;
+        const DetailedDensity made = m_detail.of(std::move(*detail));
+        fields.density = made.coarse;
+        fields.finer = made.finer;
     }
+    for (int c = 0; volume.albedoGrid && c < 3; ++c) fields.albedo[c] = grids.displacedAt(albedoRequest(volume, c));
+}
+
+VolumeFields FieldStore::fieldsOf(const Scene& scene, const SceneVolume& volume, const VolumeFile& file, bool blurred) {
+    VolumeFields fields;
+    GridsOf grids(*this, volume, file, scene.output.fps);
+    if (usesDensity(volume)) addDensity(scene, volume, grids, fields);
     for (const Emission& emission : volume.emission) {
         fields.emission.push_back(grids.displacedAt({emission.grid}));
         fields.emissionMasks.push_back(emission.mask ? grids.displacedAt({emission.mask->grid}) : nullptr);
@@ -466,11 +480,12 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
         VolumeFields& fields = all.emplace_back();
-        if (shown[i]) fields = fieldsOf(volume, files[i], scene.output.fps, blurred);
+        if (shown[i]) fields = fieldsOf(scene, volume, files[i], blurred);
         fields.emission.resize(volume.emission.size());
         if (isFile(volume) && files[i].state == FileState::present) fields.culled = culled[i];
     }
     m_shader.forgetUnused();
+    m_detail.forgetUnused();
     m_between.forgetUnused();
     dropSources(all);
     return all;
@@ -501,6 +516,7 @@ std::size_t bytesOf(const Fields& fields) {
     std::set<std::shared_ptr<const SparseField>> all;
     for (const VolumeFields& of : fields) {
         all.insert(of.density);
+        all.insert(of.finer);
         all.insert(of.albedo.begin(), of.albedo.end());
         all.insert(of.emission.begin(), of.emission.end());
         all.insert(of.emissionMasks.begin(), of.emissionMasks.end());

@@ -5,6 +5,7 @@
 #include <scrim/base/messages.h>
 #include <scrim/shot/assemble.h>
 #include <scrim/shot/between_files.h>
+#include <scrim/shot/density_detail.h>
 #include <scrim/scene/scene.h>
 #include <scrim/scene/volume_file.h>
 #include <scrim/volume/grid_request.h>
@@ -103,7 +104,8 @@ class FieldStore {
     std::vector<bool> shownOf(const Scene& scene, const std::vector<VolumeFile>& files,
                               const std::vector<std::string>& culled, VolumesOf volumesOf) const;
     void dropKnown(Uses& uses) const;
-    VolumeFields fieldsOf(const SceneVolume& volume, const VolumeFile& file, double fps, bool blurred);
+    VolumeFields fieldsOf(const Scene& scene, const SceneVolume& volume, const VolumeFile& file, bool blurred);
+    void addDensity(const Scene& scene, const SceneVolume& volume, GridsOf& grids, VolumeFields& fields);
     void checkRoom(const Scene& scene, const std::vector<VolumeFile>& files) const;
     void dropSources(Fields& all);
     std::set<FieldPointer> loadedFields() const;
@@ -125,6 +127,7 @@ class FieldStore {
     std::map<Key, std::shared_ptr<const SparseField>> m_fields;
     BetweenStore m_between;
     FieldShader m_shader;
+    DetailMaker m_detail;
     /// Fields that children are reading: those of the next frame, or of further files of this one.
     std::vector<GuardedFields> m_ahead;
 };

@@ -46,7 +46,7 @@ void warnOfEmpty(const LoadedShot& shot, const MessageSink& messages) {
                                "as 0)",
                                originText(volume, shot.files[i]), what, grid, std::numeric_limits<float>::min()));
         };
-        if (empty(fields.density))
+        if (empty(fields.density) && (!fields.finer || empty(fields.finer)))
             warn(volume.emission.empty() ? "nothing to render" : "no density", fields.density->name);
         // A single empty channel is fine: colours without any red exist.
         if (std::all_of(fields.albedo.begin(), fields.albedo.end(), empty))

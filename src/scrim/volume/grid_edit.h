@@ -77,7 +77,12 @@ struct GridEdit {
     std::vector<AxVariable> variables;  ///< for all programs
     std::string where;                  ///< where the scene gives the first of all that
     PointLook points = {};              ///< how points become grids, before all that
+    /// The density is shaded on voxels divided by this factor, where that shows; 0: as fine as its noise is. Readers of
+    /// grids have no part in it.
+    int detail = 1;
 
+    /// True if grids are not read as they are.
+    bool changesGrids() const { return editsGrids() || points != PointLook(); }
     /// True if anything is done to grids after they were read.
     bool editsGrids() const { return !grids.empty() || clip || resample != 1 || !programs.empty(); }
     bool operator==(const GridEdit&) const = default;

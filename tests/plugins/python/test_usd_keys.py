@@ -50,6 +50,7 @@ BESIDE = {
     },
     "medium.blackbody": {"medium": {"blackbody": {"grid": "density"}}},
     "medium.transparency_depth": {"medium": {"transparency": [0.5, 0.5, 0.5]}},
+    "detail": {"density": {"noise": {"frequency": 3.0}}},
     "density.mask": {"density": {"mask": {"grid": "density"}}},
     "medium.emission.mask": {"medium": {"emission": {"grid": "density", "mask": {"grid": "density"}}}},
     "medium.blackbody.mask": {"medium": {"blackbody": {"grid": "density", "mask": {"grid": "density"}}}},

@@ -548,6 +548,7 @@ const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
                                                                        {"volume.clip", files},
                                                                        {"volume.clip_plane", files},
                                                                        {"volume.resample", files},
+                                                                       {"volume.detail", files},
                                                                        {"volume.ax", files},
                                                                        {"volume.ax_file", files},
                                                                        {"volume.displacement", files},

@@ -85,6 +85,29 @@ TEST(SceneEdit, HoldsCodeItsPlaceAndItsVariables) {
               (std::vector<AxVariable>{{"w", {1, 2, 3}}}));
 }
 
+TEST(SceneEdit, DividesVoxelsForShadingAlone) {
+    const std::string noise = "density = { noise = { frequency = 3 } }\n";
+    const SceneVolume v = volume("detail = 4\n" + noise);
+    ASSERT_TRUE(v.edit);
+    EXPECT_EQ(v.edit->detail, 4);
+    EXPECT_FALSE(v.edit->changesGrids()) << "files are read as they are";
+    EXPECT_EQ(volume("detail = \"auto\"\n" + noise).edit->detail, 0);
+    EXPECT_EQ(volume("detail = 2\ndensity = { edge = [0.1, 0.2] }\n").edit->detail, 2);
+    EXPECT_EQ(volume("detail = 2\ndisplacement = { amount = 2 }\n").edit->detail, 2);
+    EXPECT_EQ(volume("detail = 1\n").edit, nullptr);
+    for (const std::string wrong : {"3", "0", "16", "-2", "\"fine\"", "true"})
+        EXPECT_NE(volumeError("detail = " + wrong + "\n" + noise).find("expected 1, 2, 4, 8 or \"auto\""),
+                  std::string::npos)
+            << volumeError("detail = " + wrong + "\n" + noise);
+    EXPECT_EQ(volumeError("detail = 2\n"),
+              "scene.toml:6:10: 'detail' needs shading, which it evaluates between voxels; expected 'displacement', or "
+              "'noise', 'edge', 'remap', 'mask' or 'ramp' of 'density' beside it");
+    EXPECT_EQ(
+        volumeError("detail = \"auto\"\ndensity = { edge = [0.1, 0.2] }\n"),
+        "scene.toml:6:10: 'detail' is \"auto\", and the volume has no noise to follow; expected 'displacement' or "
+        "'noise' of 'density' beside it, or a number");
+}
+
 TEST(SceneEdit, ClipsWithABoxAndAPlane) {
     const SceneVolume v = volume("clip = [[0, 1, 2], [3, 4, 5]]\nclip_plane = [0, 0, 2, 6]\n");
     EXPECT_EQ(v.clip, (std::vector<HalfSpace>{{{1, 0, 0}, 0},
