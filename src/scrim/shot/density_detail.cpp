@@ -341,35 +341,23 @@ class Divided {
 
 /// The voxels of `field` that are not divided.
 FieldPointer undivided(const SparseField& field, const Divided& divided) {
-    FieldPieces pieces;
-    pieces.name = field.name;
-    pieces.wsFromIs = field.wsFromIs;
-    pieces.blockOrigins = field.blockOrigins;
-    std::vector<float> constants;
-    std::vector<ConstantTile> tiles = field.tiles;
+    std::vector<ConstantBlock> constant;
+    std::vector<ConstantTile> whole, tiles = field.tiles;
     while (!tiles.empty()) {
         const ConstantTile tile = tiles.back();
         tiles.pop_back();
         if (!divided.any(tile.origin, tile.origin + (tile.edge - 1))) {
-            pieces.tiles.push_back(tile);
+            whole.push_back(tile);
         } else if (tile.edge == kBlockEdge) {
-            pieces.blockOrigins.push_back(tile.origin);
-            constants.push_back(tile.value);
+            constant.push_back({tile.origin, tile.value});
         } else {
             for (int i = 0; i < 8; ++i)
                 tiles.push_back(
                     {tile.origin + tile.edge / 2 * Int3(i >> 2, i >> 1 & 1, i & 1), tile.edge / 2, tile.value});
         }
     }
-    const std::vector<Int3> origins = pieces.blockOrigins;
-    pieces.fill = [&](std::size_t b, float* to) {
-        if (b < field.blockCount())
-            std::copy_n(field.block(b), kBlockVoxels, to);
-        else
-            std::fill_n(to, kBlockVoxels, constants[b - field.blockCount()]);
-        divided.takeFrom(origins[b], to);
-    };
-    return std::make_shared<SparseField>(buildField(std::move(pieces)));
+    return changedBlocks(field, constant, std::move(whole),
+                         [&](const Int3& origin, float* values) { divided.takeFrom(origin, values); });
 }
 
 /// Says from where the inside of a volume is seen or lit.

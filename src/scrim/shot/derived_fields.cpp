@@ -231,4 +231,24 @@ std::vector<EmittedField> emittedFields(const FieldPointer& field, const Emissio
     return fields;
 }
 
+FieldPointer changedBlocks(const SparseField& field, const std::vector<ConstantBlock>& constant,
+                           std::vector<ConstantTile> tiles,
+                           const std::function<void(const Int3& origin, float* values)>& change) {
+    FieldPieces pieces;
+    pieces.name = field.name;
+    pieces.wsFromIs = field.wsFromIs;
+    pieces.blockOrigins = field.blockOrigins;
+    for (const ConstantBlock& block : constant) pieces.blockOrigins.push_back(block.origin);
+    pieces.tiles = std::move(tiles);
+    pieces.fill = [&](std::size_t b, float* to) {
+        const bool own = b < field.blockCount();
+        if (own)
+            std::copy_n(field.block(b), kBlockVoxels, to);
+        else
+            std::fill_n(to, kBlockVoxels, constant[b - field.blockCount()].value);
+        change(own ? field.blockOrigins[b] : constant[b - field.blockCount()].origin, to);
+    };
+    return std::make_shared<SparseField>(buildField(std::move(pieces)));
+}
+
 }  // namespace scrim

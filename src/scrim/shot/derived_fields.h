@@ -6,6 +6,7 @@
 #include <scrim/scene/view_scene.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -35,6 +36,18 @@ std::vector<FieldPointer> scatteringFields(const SparseField& density, const std
 /// asset's space. `assetFromIs` belongs to the density.
 std::vector<FieldPointer> flowFields(const SparseField& density, const Mat4& assetFromIs,
                                      const std::vector<FieldPointer>& velocity, const Vec3& least);
+
+/// A block of one value, which was a part of a tile.
+struct ConstantBlock {
+    Int3 origin{0};
+    float value = 0;
+};
+
+/// The field with `constant` and `tiles` in place of its tiles, after change(origin, values) of each block's 512
+/// values.
+FieldPointer changedBlocks(const SparseField& field, const std::vector<ConstantBlock>& constant,
+                           std::vector<ConstantTile> tiles,
+                           const std::function<void(const Int3& origin, float* values)>& change);
 
 /// Emitted radiance per world unit as a sum of field times colour: one field where all colours of the ramp are shades
 /// of one colour, else three. They stay on the lattice of `field`.

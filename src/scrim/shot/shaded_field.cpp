@@ -46,30 +46,16 @@ Mat4 placeOf(const Noise& noise, const SparseField& field, const Mat4& wsFromAss
 /// The field with `fill(origin, values)` run on each of its blocks. Its tiles become blocks.
 template <typename Fill>
 FieldPointer changedField(const SparseField& field, const Fill& fill) {
-    FieldPieces pieces;
-    pieces.name = field.name;
-    pieces.wsFromIs = field.wsFromIs;
-    pieces.blockOrigins = field.blockOrigins;
-    std::vector<float> constants;
+    std::vector<ConstantBlock> constant;
     for (const ConstantTile& tile : field.tiles) {
         const std::size_t edge = std::size_t(tile.edge / kBlockEdge);
-        if (edge * edge * edge + pieces.blockOrigins.size() > kMostBlocks) tooLarge(field);
+        if (edge * edge * edge + field.blockCount() + constant.size() > kMostBlocks) tooLarge(field);
         for (int x = 0; x < tile.edge; x += kBlockEdge)
             for (int y = 0; y < tile.edge; y += kBlockEdge)
-                for (int z = 0; z < tile.edge; z += kBlockEdge) {
-                    pieces.blockOrigins.push_back(tile.origin + Int3(x, y, z));
-                    constants.push_back(tile.value);
-                }
+                for (int z = 0; z < tile.edge; z += kBlockEdge)
+                    constant.push_back({tile.origin + Int3(x, y, z), tile.value});
     }
-    const std::vector<Int3> origins = pieces.blockOrigins;
-    pieces.fill = [&](std::size_t b, float* to) {
-        if (b < field.blockCount())
-            std::copy_n(field.block(b), kBlockVoxels, to);
-        else
-            std::fill_n(to, kBlockVoxels, constants[b - field.blockCount()]);
-        fill(origins[b], to);
-    };
-    return std::make_shared<SparseField>(buildField(std::move(pieces)));
+    return changedBlocks(field, constant, {}, fill);
 }
 
 /// The field with each value above 0 mapped by `map`; tiles stay tiles.
