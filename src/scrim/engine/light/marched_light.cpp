@@ -52,12 +52,15 @@ Rgb MarchedLight::transmittance(std::size_t light, const Vec3& ws) const {
     return weights > 0 ? sum / weights : Rgb(1);
 }
 
+double offSurface(const Vec3& ws) {
+    constexpr double kOff = 1e-6;  // of the distance from the origin
+    return kOff * (glm::length(ws) + 1);
+}
+
 Rgb MarchedLight::left(std::size_t light, const Part& part, const Arriving& arriving, const Vec3& ws) const {
-    constexpr double kOff = 1e-6;  // of the distance from the origin, by which a ray leaves its own surface
-    const double off = kOff * (glm::length(ws) + 1);
     if (!m_scene.lights[light].shadows) return arriving.irradiance;
-    if (solidsBlock(m_scene) &&
-        m_scene.solids->firstHit(SolidRole::shadow, ws, -arriving.travel, off, arriving.distance) < arriving.distance)
+    if (solidsBlock(m_scene) && m_scene.solids->firstHit(SolidRole::shadow, ws, -arriving.travel, offSurface(ws),
+                                                         arriving.distance) < arriving.distance)
         return Rgb(0);
     return m_volumes.empty() ? arriving.irradiance : arriving.irradiance * transmittance(light, part, ws);
 }

@@ -21,6 +21,9 @@ struct FromAllSides {
     std::array<Vec3, 3> flow{Vec3(0), Vec3(0), Vec3(0)};
 };
 
+/// World units by which a ray from `ws` leaves the surface that it begins on.
+double offSurface(const Vec3& ws);
+
 /// May be used from many threads at once.
 class MarchedLight {
   public:

@@ -205,9 +205,7 @@ void VolumeShine::Making::addScattered(std::size_t volume, const MarchedLight& l
 }
 
 VolumeShine::VolumeShine(const ViewScene& scene, const TransportPlan& plan, const Checkpoint& checkpoint)
-    : m_scene(scene) {
-    for (const ViewVolume& v : scene.volumes)
-        for (const Vec3& corner : wsCorners(v, scene.dials.kernel)) m_wsBounds.include(corner);
+    : m_scene(scene), m_wsBounds(wsBounds(scene)) {
     const double edge = largest(m_wsBounds.size()) / (kAlong - 2);
     m_radius = 0.5 * std::sqrt(3.0) * kAlong * edge;
     Level& finest = m_levels.emplace_back(Level{kAlong, edge, {}, {}});
@@ -329,9 +327,8 @@ Rgb VolumeShine::radiance(const Vec3& ws, const Vec3& direction, double spread, 
 }
 
 Rgb VolumeShine::irradiance(const Vec3& ws, const Vec3& normal, const Cap& cap) const {
-    constexpr double kOff = 1e-6;     // of the distance from the origin, by which a ray leaves its own surface
     constexpr double kOverlap = 1.0;  // width of a cone's samples, in distances of the cones' axes
-    const double off = kOff * (glm::length(ws) + 1), far = 2 * (glm::distance(ws, m_wsBounds.center()) + m_radius);
+    const double off = offSurface(ws), far = 2 * (glm::distance(ws, m_wsBounds.center()) + m_radius);
     const double own = cap.solidAngle / kCones, spread = kOverlap * std::sqrt(own);
     const Mat3 frame = frameAround(cap.axis);
     const bool solid = solidsBlock(m_scene), flows = !m_levels[0].flows.empty();

@@ -262,8 +262,10 @@ bool meanAround(const CellGrid& grid, const Int3& place, bool walls, const Known
 }  // namespace
 
 // Cells without a row of their own get the mean of neighbours that are known, ring by ring, because kernels reach
-// further than voxels. Returns for each cell whether it is known then; fillBorders adds the last ring.
+// further than voxels; fillBorders adds the last ring. Returns for each cell whether it is known then; empty if
+// there is but the last ring, so that rows tell.
 std::vector<std::uint8_t> DomainLight::fillAround(const TransportSolver& solver, CellField& field) const {
+    if (m_rings == 1) return {};
     std::vector<std::uint8_t> known(m_grid->cells());
     for (std::size_t cell = 0; cell < known.size(); ++cell) known[cell] = solver.rowOfCell()[cell] >= 0;
     for (int ring = 1; ring < m_rings; ++ring) {
@@ -287,7 +289,9 @@ void DomainLight::fillBorders(const TransportSolver& solver, CellField& field) c
     const std::vector<std::uint8_t> all = fillAround(solver, field);
     const auto known = [&](const Int3& place) -> const Real* {
         const std::ptrdiff_t cell = m_grid->index(place);
-        return cell < 0 || all[std::size_t(cell)] == 0 ? nullptr : field.cell(std::size_t(cell));
+        if (cell < 0) return nullptr;
+        const auto at = static_cast<std::size_t>(cell);
+        return (all.empty() ? solver.rowOfCell()[at] >= 0 : all[at] != 0) ? field.cell(at) : nullptr;
     };
     parallelFor(m_grid->storedBlocks().size(), [&](std::size_t block) {
         const Int3 first = m_grid->storedBlocks()[block] * kCellEdge - 1;
