@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import _code, _keys, _lens, _phases, _shading
+from . import _code, _handles, _keys, _lens, _phases, _shading
 from ._control_maker import Control, Group, Maker, is_triple, read
 from ._document import name_of
 from ._messages import is_number
@@ -28,7 +28,8 @@ _QUANTITIES = {"distant": "irradiance", "area": "radiance", "dome": "radiance"} 
 
 def _add_sky(make: Maker) -> None:
     """The place of the sun, and what is in the air."""
-    make.add("sun elevation", "number", ("sky", "sun_elevation"), 15.0, least=-10.0, most=90.0, unit="°")
+    place = ("sky", "sun_elevation")
+    make.add("sun elevation", "number", place, _handles.SUN_ELEVATION, least=-10.0, most=90.0, unit="°")
     for part in ("air", "dust", "ozone"):
         make.add(part, "number", ("sky", f"{part}_density"), 1.0, least=0.0, most=10.0)
     make.add("altitude", "number", ("sky", "altitude"), 0.0, least=0.0, most=20000.0, unit="m")

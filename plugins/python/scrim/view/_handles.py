@@ -18,6 +18,7 @@ from ._camera import Pose
 from ._document import Change, name_of
 from ._messages import is_number
 
+SUN_ELEVATION = 15.0  # of a sky that states none, degrees
 RADIUS = 0.35  # of the ball around the pivot, in heights of the picture
 _REACH = 0.03  # heights of the picture on each side of a place, from which the surface's normal is taken
 _STEPS = 5  # places on each side
@@ -92,7 +93,10 @@ def _along(light: Mapping, index: int, direction: np.ndarray) -> list[Change]:
     up, front, right = _sky_axes(light)
     elevation = np.degrees(np.arcsin(np.clip(-direction @ up, -1.0, 1.0)))
     rotation = np.degrees(np.arctan2(-direction @ right, -direction @ front))
-    return [(("light", index, "sky", "sun_elevation"), float(elevation)), (("light", index, "rotation"), float(rotation))]
+    return [
+        (("light", index, "sky", "sun_elevation"), float(elevation)),
+        (("light", index, "rotation"), float(rotation)),
+    ]
 
 
 def has_handle(light: Mapping) -> bool:
@@ -104,7 +108,8 @@ def _kind(light: Mapping) -> str:
         return ""
     sky = light.get("sky")
     if isinstance(sky, Mapping):
-        return "sky" if all(is_number(v) for v in (sky.get("sun_elevation", 15.0), light.get("rotation", 0.0))) else ""
+        place = sky.get("sun_elevation", SUN_ELEVATION), light.get("rotation", 0.0)
+        return "sky" if all(map(is_number, place)) else ""
     if _is_triple(light.get("position")):
         return "place"
     return "way" if _is_triple(light.get("direction")) and "target" not in light else ""
@@ -130,7 +135,7 @@ def _sky_axes(light: Mapping) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _from_sun(light: Mapping) -> list[float]:
     """The direction in which the light of a sky's sun travels."""
     up, front, right = _sky_axes(light)
-    e, r = np.radians((light["sky"].get("sun_elevation", 15.0), light.get("rotation", 0.0)))
+    e, r = np.radians((light["sky"].get("sun_elevation", SUN_ELEVATION), light.get("rotation", 0.0)))
     return (-(np.cos(e) * (np.cos(r) * front + np.sin(r) * right) + np.sin(e) * up)).tolist()
 
 
