@@ -566,7 +566,7 @@ TEST(LightOnCells, IsChosenForWhatShinesFromManyPlacesOrFromWithin) {
 }
 
 // Dense voxels cast shadows with edges of a voxel, which cells blur; a thin medium has none.
-TEST(LightOnCells, AreLeftToShadowBuffersWhereAFewPointsLightDenseVoxels) {
+TEST(LightOnCells, AreLeftToShadowBuffersWhereAFewPointsLightOpaqueVoxels) {
     ViewScene scene = uniformCube();
     scene.lights = {areaLight(AreaShape::disk, {60, 40, 30}, 3, 0, kWarm)};
     const int points = subLightCount(scene, scene.lights[0]);
@@ -576,17 +576,15 @@ TEST(LightOnCells, AreLeftToShadowBuffersWhereAFewPointsLightDenseVoxels) {
         scene.volumes[0].medium.densityScale = depth / double(scene.volumes[0].field->maxValue);
         return !planCellLights(scene).lights.empty();
     };
-    EXPECT_TRUE(onCells(0.25));
-    EXPECT_FALSE(onCells(0.35));
+    EXPECT_TRUE(onCells(2.9));
+    EXPECT_FALSE(onCells(3.1));
     scene.lights[0] = areaLight(AreaShape::disk, {60, 40, 30}, 30, 0, kWarm);
     ASSERT_GE(subLightCount(scene, scene.lights[0]), 16);
-    EXPECT_TRUE(onCells(0.35));
-    // The finest cells are a quarter of a voxel.
     ASSERT_LT(subLightCount(scene, scene.lights[0]), 64);
-    EXPECT_TRUE(onCells(1.1));
-    EXPECT_FALSE(onCells(1.3));
+    EXPECT_TRUE(onCells(2.9));
+    EXPECT_FALSE(onCells(3.1));
     scene.lights[0].wsPosition = {2, 1, 0};  // among the voxels buffers would take windows of directions
-    EXPECT_TRUE(onCells(1.3));
+    EXPECT_TRUE(onCells(3.1));
 }
 
 }  // namespace

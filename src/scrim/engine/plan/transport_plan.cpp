@@ -164,19 +164,21 @@ double surfaceCell(const ViewScene& scene) {
 }
 
 // The least number of sub-lights that cells are better for. A light of few points or directions has shadows that are
-// sharper than cells; where voxels are dense, shadows have edges of a voxel, and more points are few. Measured on solid
-// shapes of 0.52 per voxel under a disk of 11 sub-lights: 2.8 % on cells, 0.6 % in buffers; on a hypertexture of 1.9
-// per voxel, too dense for the finest cells, beside a rectangle of 25 and with a lamp in it: 1.05 and 0.54 %.
+// sharper than cells. Measured on solid shapes, a hypertexture, a ball of noise and a cloud of 0.4 to 2.5 per voxel,
+// beside spheres, disks and rectangles of 4 to 26 sub-lights: 0.3 to 0.7 % on cells, 0.1 to 0.4 % in buffers, which
+// took from a third (4 sub-lights, few voxels) to 15 times the time of cells (15, a large cloud). Cells are too large
+// for the rims of what is opaque: 1.5 and 3.8 % of shapes of 5 and 20 per voxel.
 int leastForCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
-    constexpr int kMany = 4, kManyAtEdges = 16, kManyInSolid = 64;
+    constexpr int kMany = 4, kManyAtEdges = 16, kManyBesideSolid = 64;
     // Points among surfaces need windows of directions, each with a sweep: 12 of a sphere in a scan had 300 buffers.
     if (hasSurfaces(scene)) return isAmong(light, wsCorners) ? kMany : kManyAtEdges;
-    double depth = 0;  // of one volume: what overlaps has no sharper edges
+    constexpr double kSolid = 3;  // optical depth of a voxel
+    double depth = 0;             // of one volume: what overlaps has no sharper edges
     for (const ViewVolume& v : scene.volumes)
         if (!v.field->empty()) depth = std::max(depth, mostDepth(v, voxelUnit(v)));
-    if (depth <= kDepth) return kMany;
+    if (depth <= kSolid) return kMany;
     const bool beside = light.area() && !isLampOnCells(scene, light) && !isAmong(light, wsCorners);
-    return beside && kFinestCell * depth > kDepth ? kManyInSolid : kManyAtEdges;
+    return beside ? kManyBesideSolid : kManyAtEdges;
 }
 
 // Whether a light is better kept on cells, or is told to be. `surfacesFit`: cells are exact enough for all surfaces.
