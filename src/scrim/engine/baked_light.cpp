@@ -386,7 +386,7 @@ std::vector<BakedVolume> bakeLight(const ViewScene& given, const std::vector<boo
         baked.indirect.resize(floats);
         for (auto& flux : baked.flux) flux.resize(floats);
     }
-    const Plan plan = makePlan(baking, threads, partOf(progress, 0, 0));
+    const Plan plan = makePlan(baking, threads, partOf(progress, 0, 0), true);
     Baking bake(given, baking, plan, out);
     for (std::size_t g = 0; g < plan.groups.size(); ++g)
         bake.sweep(plan.groups[g], partOf(progress, double(g) / double(plan.groups.size()),

@@ -18,6 +18,7 @@
 #include <random>
 
 #include <glm/exponential.hpp>
+#include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 
 namespace scrim::test {
@@ -70,6 +71,39 @@ TEST(BakedLight, OfASlabIsBeersLaw) {
             ++looked;
         }
         EXPECT_EQ(looked, 61 * 61 * 20);
+    }
+}
+
+// A slab of voxels of 1 below one of voxels of 3, which is 9 thick.
+TEST(BakedLight, OfSlabsOfUnlikeVoxelsIsBeersLaw) {
+    Medium medium;
+    medium.densityScale = 0.1;
+    ViewScene scene = orthographicScene(boxField({-40, -40, -10}, {39, 39, 9}), medium, 20, 9);
+    ViewVolume upper = scene.volumes.front();
+    upper.name = "upper";
+    upper.place = 1;
+    const auto field = boxField({-20, -20, 10}, {19, 19, 12});
+    upper.field = field;
+    upper.wsFromIs = glm::scale(Mat4(1.0), Vec3(3)) * field->wsFromIs;
+    upper.medium.densityScale = 0.05;
+    scene.volumes.push_back(upper);
+    scene.lights = {distantLight({0, 0, -1}, 3)};
+    const std::vector<BakedVolume> baked = bakeAll(scene);
+    const auto inside = [](const Voxel& voxel, double most) {
+        return std::max(std::abs(voxel.is.x), std::abs(voxel.is.y)) <= most;
+    };
+    int looked = 0;
+    for (const Voxel& voxel : voxelsOf(baked.at(0))) {
+        if (!inside(voxel, 30)) continue;
+        const double expected = 3 * std::exp(-0.1 * (9.5 - voxel.is.z) - 0.05 * 9);
+        ASSERT_NEAR(at(baked[0].lights.at(0), voxel).x, expected, 0.02 * expected) << voxel.is.z;
+        ++looked;
+    }
+    EXPECT_EQ(looked, 61 * 61 * 20);
+    for (const Voxel& voxel : voxelsOf(baked.at(1))) {
+        if (!inside(voxel, 15)) continue;
+        const double expected = 3 * std::exp(-0.05 * 3 * (12.5 - voxel.is.z));
+        ASSERT_NEAR(at(baked[1].lights.at(0), voxel).x, expected, 0.02 * expected) << voxel.is.z;
     }
 }
 

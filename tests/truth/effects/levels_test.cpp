@@ -5,6 +5,7 @@
 #include "support/meshes.h"
 #include "support/verified.h"
 
+#include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/levels.h>
 #include <scrim/geometry/camera.h>
 
@@ -87,6 +88,40 @@ TEST(Levels, AgreeWithBruteForceInLampsAndFromBehind) {
     expectConvergence(scene, 40, 0.5, 0.012);
 }
 
+// Two balls, of voxels of 0.1 and 0.2, at these places.
+ViewScene twoBalls(const Vec3& fine, const Vec3& coarse) {
+    ViewScene scene = ballInHaze(0.1, fine);
+    scene.camera.wsPosition = {0, 0, 14};
+    scene.camera.wsFromCamera = lookAt(scene.camera.wsPosition, {0, 0, 0}, {0, 1, 0});
+    ViewVolume& other = scene.volumes.front();
+    other.field = smokeField(6, 0.2);
+    other.wsFromIs = other.field->wsFromIs;
+    other.wsFromIs[3] += glm::dvec4(coarse, 0);
+    other.medium = scene.volumes[1].medium;
+    return scene;
+}
+
+// Each of them in turn is where the camera does not see it, on the light's way to the other.
+TEST(Levels, AgreeWithBruteForceWhereOneIsOutOfViewAndShadowsTheOther) {
+    const Vec3 away(12.1, 7.2, 6);
+    for (const std::size_t out : {0u, 1u}) {
+        const ViewScene scene = out == 0 ? twoBalls(Vec3(0), away) : twoBalls(away, Vec3(0));
+        EXPECT_EQ(levelsOf(scene), 2u);
+        const std::vector<Vec3> corners = wsCorners(scene.volumes[out], Kernel::linear);
+        ASSERT_TRUE(visibleParts(scene.camera, scene.region, corners).empty()) << out;
+        expectConvergence(scene, 50, 0.9, 0.05, fmt::format("out{}", out));  // small dense balls
+    }
+}
+
+TEST(Levels, ShowInASkyWhatIsInViewBesideWhatIsNot) {
+    ViewScene scene = twoBalls(Vec3(0), Vec3(9, 0, 0));
+    scene.lights = {domeLight(24)};
+    ViewScene alone = scene;
+    alone.volumes.erase(alone.volumes.begin());
+    alone.volumes.front().place = 0;
+    EXPECT_LT(errorOf(scene, 40), 1.1 * errorOf(alone, 40));
+}
+
 TEST(Levels, AgreeWithBruteForceInASkyOnCells) {
     ViewScene scene = ballInHaze(0.1);
     scene.lights = {domeLight(24)};
@@ -129,6 +164,27 @@ TEST(Levels, GiveCropsTheBitsOfTheWhole) {
                     ASSERT_EQ(part.rgba[part.indexOf(x, y) + std::size_t(c)],
                               whole.rgba[whole.indexOf(x, y) + std::size_t(c)])
                         << x << " " << y;
+    }
+}
+
+// Windows that see one of them alone.
+TEST(Levels, GiveCropsTheBitsOfTheWholeWhereTheyLieSideBySide) {
+    ViewScene scene = twoBalls({-2.5, 0, 0}, {3, 0, 0});
+    scene.lights = {domeLight(24)};
+    scene.dials.texel = 0.25;
+    const Image whole = imageOf(scene);
+    for (const PixelWindow crop : {PixelWindow{0, 0, 16, 48}, PixelWindow{32, 0, 48, 48}}) {
+        scene.picture = {0, 0, 48, 48};
+        scene.region = crop;
+        const Image part = imageOf(scene);
+        double sum = 0;
+        for (int y = crop.y0; y < crop.y1; ++y)
+            for (int x = crop.x0; x < crop.x1; ++x) {
+                const Real *of = &part.rgba[part.indexOf(x, y)], *expected = &whole.rgba[whole.indexOf(x, y)];
+                ASSERT_TRUE(std::equal(of, of + 4, expected)) << x << " " << y;
+                sum += double(of[3]);
+            }
+        EXPECT_GT(sum, 1);
     }
 }
 

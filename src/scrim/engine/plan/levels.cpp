@@ -20,14 +20,18 @@ std::optional<int> octaveOf(const ViewScene& scene, std::size_t volume) {
 
 }  // namespace
 
+std::vector<VolumeLevel> oneLevel(const ViewScene& scene) {
+    const std::vector<bool> all(scene.volumes.size(), true);
+    return {{voxelUnit(scene), all, all}};
+}
+
 std::vector<VolumeLevel> volumeLevels(const ViewScene& scene) {
     constexpr int kOctaves = 1;  // of voxels that share sheets
     // Pixels that walk the sheets of one level instead of a sheet of the one before walk at most so many. Levels
     // without volumes come between others where there would be more.
     constexpr double kMostStep = 8;
-    const std::vector<bool> all(scene.volumes.size(), true);
     const double finest = voxelUnit(scene);
-    if (scene.dials.splat == SplatMode::perView) return {{finest, all, all}};
+    if (scene.dials.splat == SplatMode::perView) return oneLevel(scene);
     // Surfaces are in the finest level: they are found along rays from sheet to sheet.
     int surfaces = 0;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v)
@@ -45,7 +49,7 @@ std::vector<VolumeLevel> volumeLevels(const ViewScene& scene) {
         }
         for (const std::size_t v : volumes) levels.back().volumes[v] = true;
     }
-    if (levels.size() < 2) return {{finest, all, all}};
+    if (levels.size() < 2) return oneLevel(scene);
     std::vector<VolumeLevel> out;
     for (VolumeLevel& level : levels) {
         while (!out.empty() && level.voxel > kMostStep * out.back().voxel) {

@@ -21,6 +21,8 @@ struct VolumeLevel {
 /// The levels of a scene, coarsest first. A scene of like voxels has one, and so has one with what several levels do
 /// not serve.
 std::vector<VolumeLevel> volumeLevels(const ViewScene& scene);
+/// One level with all volumes.
+std::vector<VolumeLevel> oneLevel(const ViewScene& scene);
 
 /// The corners of the volumes that a level's texels lie around.
 std::vector<Vec3> wsCorners(const ViewScene& scene, const VolumeLevel& level);

@@ -15,6 +15,7 @@
 #include <scrim/engine/plan/sheet_stack.h>
 #include <scrim/engine/plan/view_lattices.h>
 #include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/shade/level_sheets.h>
 #include <scrim/engine/splat/extinction_sum.h>
 
 #include <algorithm>
@@ -199,6 +200,22 @@ void planSheets(const ViewScene& scene, const std::vector<Vec3>& own, const Plan
     g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
 }
 
+// A level's sheets are walked within those of the level before, which must hold them, also where its own volumes are
+// out of view, and their texels too.
+void holdFiner(GroupPlan& group) {
+    for (std::size_t i = group.finer.size(); i-- > 0;) {
+        const GroupPlan& finer = group.finer[i];
+        GroupPlan& level = i == 0 ? group : group.finer[i - 1];
+        if (finer.needed.last == 0) continue;
+        const LevelMap map(finer.sheets, level.sheets);
+        const int first = std::max(0, static_cast<int>(std::floor(map.n(finer.needed.first) + 1e-6)));
+        const int last = std::min(level.sheets.count, static_cast<int>(std::ceil(map.n(finer.needed.last) - 1e-6)));
+        NeededTiles& needed = level.needed;
+        needed.first = needed.last == 0 ? first : std::min(needed.first, first);
+        needed.last = std::max(needed.last, last);
+    }
+}
+
 // Plans a group of lights that share an axis: the places of its sheets and rasters, on each of the scene's levels.
 GroupPlan planGroup(const ViewScene& scene, const std::vector<VolumeLevel>& levels, const Plan& plan,
                     const EyePart& part, GroupPlan g, const Checkpoint& checkpoint) {
@@ -220,6 +237,7 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<VolumeLevel>& leve
         else
             out.finer.push_back(std::move(one));
     }
+    holdFiner(out);
     return out;
 }
 
@@ -430,7 +448,7 @@ void checkSlides(const ViewScene& scene) {
 
 }  // namespace
 
-Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress) {
+Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress, bool oneLattice) {
     const Checkpoint checkpoint = [&] {
         if (progress && !progress(0)) throw Error(ErrorKind::interrupted, "the planning was interrupted");
     };
@@ -457,7 +475,7 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
     nameLightsOnCells(scene, plan.cellLights, served, plan.culledLights);
     plan.caps = capsOf(scene, plan.subLights, culled);
 
-    const std::vector<VolumeLevel> levels = volumeLevels(scene);
+    const std::vector<VolumeLevel> levels = oneLattice ? oneLevel(scene) : volumeLevels(scene);
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);
         if (part.window.empty()) continue;
