@@ -11,12 +11,9 @@
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/light/solid_shadow.h>
 #include <scrim/engine/shade/sheet_shader.h>
-#include <scrim/engine/passes/light_cells.h>
-#include <scrim/engine/solve/scattered_light.h>
 
 #include <algorithm>
 #include <chrono>
-#include <map>
 #include <memory>
 #include <optional>
 
@@ -190,38 +187,8 @@ std::size_t deepBytesLeft(const Plan& plan, const std::vector<DeepImage>& swept)
     return plan.mostDeepBytes > taken ? plan.mostDeepBytes - taken : 1;
 }
 
-// The light that the sweeps look up on cells, computed before them.
-std::vector<CellLight> allLightOnCells(const ViewScene& scene, const Plan& plan, Frame& frame,
-                                       const std::function<void()>& checkpoint) {
-    std::vector<CellLight> all;
-    if (plan.groups.empty()) return all;
-    Stopwatch watch;
-    if (plan.transport.any()) {
-        Solved solved;
-        all = scatteredLight(scene, plan.transport, plan.simd, checkpoint, solved, frame.work.bytes.scattered);
-        frame.scatterError = solved.error;
-        frame.scatterConverged = solved.converged;
-        frame.work.scatterSweeps = static_cast<std::uint64_t>(solved.sweeps);
-        frame.work.scatterDirections = solved.cellDirections;
-    }
-    // Lights whose cells have the same size are kept together.
-    CellLightWork work;
-    for (std::size_t l = 0; l < plan.cellLights.levels.size(); ++l) {
-        const LevelScene level(scene, plan.cellLights, l);
-        std::map<double, std::vector<int>> byEdge;
-        for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i)
-            byEdge[plan.cellLights.levels[l].edges[i]].push_back(plan.cellLights.lights[i]);
-        for (const auto& [edge, lights] : byEdge)
-            for (CellLight& light : lightOnCells(level, lights, edge, plan.simd, checkpoint, work))
-                all.push_back(std::move(light));
-    }
-    frame.work.bytes.scattered += work.bytes;
-    frame.work.cellDirections = work.directions;
-    frame.times.scatter = watch.lap();
-    return all;
-}
-
-Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& progress, const PictureSink& shown) {
+Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& progress, const PictureSink& shown,
+                 const KeptLight* kept) {
     Frame frame = emptyFrame(scene);
     const auto goOn = [&](double done) {
         if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
@@ -243,7 +210,12 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
         };
         if (shown) shown(soFar);
     };
-    const std::vector<CellLight> cellLight = allLightOnCells(scene, plan, frame, [&] { goOn(0); });
+    KeptLight own;
+    if (!kept) {
+        own = keepLight(scene, plan, progress);
+        account(own, frame);
+    }
+    const std::vector<CellLight>& cellLight = (kept ? *kept : own).light;
     std::vector<DeepImage> deep;
     std::unique_ptr<EyeEnds> ends;  // shared by all sweeps of a part of the eye, which follow one another
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
@@ -274,9 +246,10 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
 
 }  // namespace
 
-Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress, const PictureSink& shown) {
+Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress, const PictureSink& shown,
+             const KeptLight* kept) {
     Frame frame;
-    TaskArena(plan.threads).run([&] { frame = renderHere(scene, plan, progress, shown); });
+    TaskArena(plan.threads).run([&] { frame = renderHere(scene, plan, progress, shown, kept); });
     return frame;
 }
 

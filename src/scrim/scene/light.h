@@ -39,6 +39,8 @@ struct Slide {
     std::shared_ptr<const SkyParts> parts = {};
     /// Domes: the sky whose picture `image` and `parts` become where they are loaded; there is no file then.
     std::shared_ptr<const ClearSky> sky = {};
+
+    bool operator==(const Slide&) const = default;
 };
 
 /// The luminaire around a point or spot light: how its intensity depends on the direction.
@@ -46,6 +48,8 @@ struct Luminaire {
     std::string file;                                  ///< the path of a photometric file (IES LM-63) at this frame
     std::string where;                                 ///< where the scene says `ies`
     std::shared_ptr<const LightProfile> profile = {};  ///< null until it is loaded
+
+    bool operator==(const Luminaire&) const = default;
 };
 
 enum class AreaShape { rectangle, disk, sphere, cylinder, mesh };
@@ -78,19 +82,23 @@ struct Light {
         explicit Distant(double degrees) : angle(degrees) {}
         /// Full angle of the sun's disk, degrees; the irradiance is spread evenly over its solid angle.
         double angle{};
+        bool operator==(const Distant&) const = default;
     };
     struct Point {
         double radius = 0;  ///< world units; irradiance grows no further within it, which keeps 1/r^2 finite
         bool decay = true;  ///< false: irradiance equals the intensity at any distance, as for the paper's lights
+        bool operator==(const Point&) const = default;
     };
     struct Spot : Point {
         double coneAngle = 45;  ///< full angle, degrees
         double blend = 0.15;    ///< fraction of the cone, from its border inwards, over which the light fades
+        bool operator==(const Spot&) const = default;
     };
     /// A small piece of a surface whose normal is wsDirection. Its radiant intensity is multiplied by the cosine to the
     /// normal; it sends nothing backwards.
     struct Element : Point {
         double spread = 180;  ///< full angle, degrees (see Spread)
+        bool operator==(const Element&) const = default;
     };
     /// A surface around wsPosition that emits the same radiance in all directions (Lambert). Rectangles and disks emit
     /// only to the side that wsDirection points to, spheres, cylinders and closed meshes outwards, and open meshes to
@@ -109,10 +117,12 @@ struct Light {
         /// Area of the emitting surface, world units squared: w h, pi r^2, 4 pi r^2, without the ends 2 pi r w, or the
         /// sum of the triangles'.
         double area() const;
+        bool operator==(const Area&) const = default;
     };
     /// The sky, infinitely far away. Its slide is a lat-long picture (see domeDirection).
     struct Dome {
         double rotation = 0;  ///< turn about wsUp, degrees
+        bool operator==(const Dome&) const = default;
     };
 
     std::string name;
@@ -138,6 +148,7 @@ struct Light {
     const Element* element() const { return std::get_if<Element>(&kind); }
     const Area* area() const { return std::get_if<Area>(&kind); }
     const Dome* dome() const { return std::get_if<Dome>(&kind); }
+    bool operator==(const Light&) const = default;
     /// True if the light shines from more than one point or direction. The engine represents such a light by several
     /// sub-lights.
     bool extended() const {

@@ -456,6 +456,9 @@ double ShotMotion::wantedSamples(double error, double most) const {
 Frame ShotMotion::render(const ViewScene& view, const ProgressSink& progress) const {
     // Half of the tolerance is for each moment, and half for their mean.
     MeanFrame mean(m_samples, view.deep ? 0.5 * view.deep->tolerance : 0);
+    // Light on cells in the middle serves all moments in which only the camera is elsewhere.
+    const Plan middlePlan = makePlan(view, threadCount(), partOf(progress, 0, 0));
+    std::optional<KeptLight> kept;
     for (int i = 0; i < m_samples; ++i) {
         const bool middle = 2 * i + 1 == m_samples && !m_shot.scene.lens;
         ViewScene moment = middle ? m_middle : viewAt(momentOf(i, m_samples));
@@ -464,10 +467,15 @@ Frame ShotMotion::render(const ViewScene& view, const ProgressSink& progress) co
         moment.memoryLimit = limitBeside(moment.memoryLimit, mean.deepBytes());
         const double from = double(i) / m_samples, to = double(i + 1) / m_samples;
         const Plan plan = makePlan(moment, threadCount(), partOf(progress, from, from));
-        mean.add(scrim::render(moment, plan, partOf(progress, from, to)));
+        const bool serves = lightServes(view, middlePlan, moment, plan);
+        if (serves && !kept)
+            TaskArena(plan.threads).run([&] { kept = keepLight(view, middlePlan, partOf(progress, from, from)); });
+        mean.add(scrim::render(moment, plan, partOf(progress, from, to), {}, serves ? &*kept : nullptr));
         if (m_options.shown) m_options.shown([&] { return mean.soFar(i + 1); });
     }
-    return mean.take();
+    Frame frame = mean.take();
+    if (kept) account(*kept, frame);
+    return frame;
 }
 
 }  // namespace scrim

@@ -33,6 +33,7 @@ struct Solid {
     /// The number of the light that it is the surface of, which the camera sees shine; none: it does not.
     std::optional<std::size_t> light = {};
 
+    bool operator==(const Solid&) const = default;
     bool has(SolidRole role) const {
         return role == SolidRole::holdout ? holdout : role == SolidRole::shadow ? shadows : catches;
     }
