@@ -2,6 +2,8 @@
 #include <scrim/scene/view_scene.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -147,6 +149,42 @@ Bounds wsBounds(const ViewScene& scene) {
     Bounds ws;
     for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
     return ws;
+}
+
+Vec3 wsOccupiedSize(const ViewScene& scene) {
+    constexpr int kBins = 1024;
+    constexpr double kMostEmpty = 0.25;
+    const Bounds ws = wsBounds(scene);
+    if (ws.empty()) return Vec3(0);
+    const Vec3 perUnit = double(kBins) / glm::max(ws.size(), 1e-300);
+    std::array<std::array<bool, kBins>, 3> filled{};
+    for (const ViewVolume& volume : scene.volumes)
+        for (const ViewField& field : fieldsOf(volume)) {
+            const double reach = kernelRadius(field.kernel.value_or(volume.kernel.value_or(scene.dials.kernel)));
+            const Mat3 map(field.wsFromIs);
+            const auto add = [&](const Int3& origin, int edge) {
+                const double half = 0.5 * (edge - 1) + reach;
+                const Vec3 middle = transformPoint(field.wsFromIs, Vec3(origin) + 0.5 * (edge - 1)) - ws.lower;
+                for (int axis = 0; axis < 3; ++axis) {
+                    const double far =
+                        half * (std::abs(map[0][axis]) + std::abs(map[1][axis]) + std::abs(map[2][axis]));
+                    const auto bin = [&](double at) {
+                        return static_cast<int>(std::clamp(at * perUnit[axis], 0.0, kBins - 1.0));
+                    };
+                    const auto first = filled[std::size_t(axis)].begin() + bin(middle[axis] - far);
+                    std::fill_n(first, bin(middle[axis] + far) - bin(middle[axis] - far) + 1, true);
+                }
+            };
+            for (const Int3& origin : field.field->blockOrigins) add(origin, kBlockEdge);
+            for (const ConstantTile& tile : field.field->tiles) add(tile.origin, tile.edge);
+        }
+    Vec3 size = ws.size();
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto& bins = filled[std::size_t(axis)];
+        const double part = double(std::count(bins.begin(), bins.end(), true)) / kBins;
+        if (part < 1 - kMostEmpty) size[axis] *= part;
+    }
+    return size;
 }
 
 bool holdsOut(const ViewScene& scene) {

@@ -205,6 +205,10 @@ std::vector<Vec3> wsCorners(const ViewScene& scene);
 /// The box around these corners.
 Bounds wsBounds(const ViewScene& scene);
 
+/// The size of that box without what is empty: along each axis the world units in which there is a block of any field.
+/// Where a quarter is empty at most, as between puffs of smoke, the size of the box.
+Vec3 wsOccupiedSize(const ViewScene& scene);
+
 /// True if alpha is not simply 1 - transmittance, because something hides without showing: a volume is held out, or a
 /// deep holdout picture is partly transparent.
 bool holdsOut(const ViewScene& scene);

@@ -39,7 +39,7 @@ double mostVoxelsAlong(const ViewScene& scene) {
     double most = 1;
     for (const ScatterDomain& domain : scatterDomains(scene, 1)) {
         const ViewScene own = withVoxelsOf(scene, domain.volumes);
-        most = std::max(most, largest(wsBounds(own).size()) / voxelUnit(own));
+        most = std::max(most, largest(wsOccupiedSize(own)) / voxelUnit(own));
     }
     return most;
 }

@@ -566,6 +566,24 @@ TEST(LightOnCells, IsChosenForWhatShinesFromManyPlacesOrFromWithin) {
 }
 
 // Dense voxels cast shadows with edges of a voxel, which cells blur; a thin medium has none.
+// What is empty between two cubes does not make cells larger, unless there is very much of it.
+TEST(LightOnCells, HaveTheSizeThatPartsFarApartAskFor) {
+    ViewScene scene = uniformCube();
+    scene.lights = {domeLight(24)};
+    const auto edge = [&] { return planCellLights(scene).levels.at(0).smallest(); };
+    const double alone = edge();
+    scene.volumes.push_back(scene.volumes.front());
+    scene.volumes.back().place = 1;
+    for (const double apart : {30.0, 100.0, 200.0}) {
+        scene.volumes.back().wsFromIs = scene.volumes.front().wsFromIs;
+        scene.volumes.back().wsFromIs[3].x += apart;
+        EXPECT_LE(edge(), 2 * alone) << apart;
+        EXPECT_NEAR(wsOccupiedSize(scene).x, apart == 30 ? 51 : 66, 1) << apart;  // blocks
+    }
+    scene.volumes.back().wsFromIs[3].x += 1e4;
+    EXPECT_GE(edge(), 4);  // passes must cross what is empty, too
+}
+
 TEST(LightOnCells, AreLeftToShadowBuffersWhereAFewPointsLightOpaqueVoxels) {
     ViewScene scene = uniformCube();
     scene.lights = {areaLight(AreaShape::disk, {60, 40, 30}, 3, 0, kWarm)};

@@ -200,18 +200,21 @@ bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec
 }
 
 // The edge of cells in voxels: as large as a cell is thin, and as features are large, for which the size of the volumes
-// stands; but no more than kMostAlong cells along them. Only whole parts of a voxel have cells where the field's values
-// are. Measured with cells of 1, 0.7, 0.5 and 0.25 voxels: on shapes of 64 voxels with an optical depth of 0.78 per
-// voxel under a dome, 2.0, 4.2, 1.3 and 1.1 %; on a cloud of 58 voxels and 0.33 per voxel, 1.0, 2.1, 0.7 and 0.6 %; on
-// a slab of 24 voxels and 0.33 per voxel, with a soft box and a lamp in it, 2.5, 2.0, 0.8 and 0.6 %. On a plume of 366
-// voxels and 0.11 per voxel, with cells of 1, 1.4, 2 and 3 voxels: 0.7, 0.7, 0.8 and 1.1 % for a dome, 0.7, 0.8, 1.1
-// and 1.4 % for a soft box. A cloud of 0.29 per voxel has sharp rims: with a soft box and a lamp in it, cells of 1 and
-// 0.5 voxels leave 2.5 and 0.6 %.
-double lightCell(const ViewScene& scene, const Light& light, const Vec3& wsSize) {
+// stands, or for parts that are far apart the sum of their sizes; but no more than kMostAlong cells along them, and
+// kMostWithEmpty along the box around all, which passes must cross. Only whole parts of a voxel have cells where the
+// field's values are. Measured with cells of 1, 0.7, 0.5 and 0.25 voxels: on shapes of 64 voxels with an optical depth
+// of 0.78 per voxel under a dome, 2.0, 4.2, 1.3 and 1.1 %; on a cloud of 58 voxels and 0.33 per voxel, 1.0, 2.1, 0.7
+// and 0.6 %; on a slab of 24 voxels and 0.33 per voxel, with a soft box and a lamp in it, 2.5, 2.0, 0.8 and 0.6 %. On a
+// plume of 366 voxels and 0.11 per voxel, with cells of 1, 1.4, 2 and 3 voxels: 0.7, 0.7, 0.8 and 1.1 % for a dome,
+// 0.7, 0.8, 1.1 and 1.4 % for a soft box. A cloud of 0.29 per voxel has sharp rims: with a soft box and a lamp in it,
+// cells of 1 and 0.5 voxels leave 2.5 and 0.6 %.
+double lightCell(const ViewScene& scene, const Light& light) {
     if (scene.dials.lightCell) return *scene.dials.lightCell;
     if (hasSurfaces(scene)) return surfaceCell(scene);
-    constexpr double kFine = 0.004, kFeatures = 1.0 / 120, kMostAlong = 256, kRims = 0.2;
-    const double longest = std::max({wsSize.x, wsSize.y, wsSize.z}) / voxelUnit(scene);
+    constexpr double kFine = 0.004, kFeatures = 1.0 / 120, kMostAlong = 256, kMostWithEmpty = 1024, kRims = 0.2;
+    const double all = largest(wsBounds(scene).size()) / voxelUnit(scene);
+    const double longest =
+        std::max(largest(wsOccupiedSize(scene)) / voxelUnit(scene), all * kMostAlong / kMostWithEmpty);
     // The few points of a sphere are not to be told apart.
     const double features = std::max(kFeatures * longest, isLampOnCells(scene, light) ? 1 : 0.0);
     const double depth = depthOfVoxel(scene), thin = kDepth / depth * std::min(1.0, kRims / depth);
@@ -352,10 +355,8 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     }
     if (plan.lights.empty()) return plan;
     const auto edgesFor = [&](const ViewScene& own) {
-        const Vec3 wsSize = wsBounds(own).size();
         std::vector<double> edges;
-        for (const int i : plan.lights)
-            edges.push_back(lightCell(own, scene.lights[std::size_t(i)], wsSize) * voxelUnit(own));
+        for (const int i : plan.lights) edges.push_back(lightCell(own, scene.lights[std::size_t(i)]) * voxelUnit(own));
         return edges;
     };
     for (std::vector<bool>& volumes :
