@@ -106,6 +106,19 @@ double closedForm(const ViewScene& scene, const Light& light, const Vec3& ws, co
     return sum;
 }
 
+// A cube in one that is 27 or 2 times as large, by volume, and can do with cells 2.5 or 2 times as large.
+TEST(LevelsOfCells, AreApartWhereOneSizeWouldCostMore) {
+    const auto levelsWith = [](int half, double voxel) {
+        ViewScene scene = cubeInCube();
+        scene.volumes[0].field = boxField(Int3(-half), Int3(half - 1));
+        scene.volumes[0].wsFromIs = Mat4(Mat3(voxel));
+        scene.lights = {domeLight(24)};
+        return planCellLights(scene).levels.size();
+    };
+    EXPECT_EQ(levelsWith(12, 1.25), 2u);
+    EXPECT_EQ(levelsWith(6, 1), 1u);
+}
+
 // Beside the large cube, in it, and in it beside the small one; a sky; points in the small one are near some of them.
 std::vector<Light> lights() {
     std::vector<Light> all{domeLight(40), areaLight(AreaShape::rectangle, {60, 20, 45}, 10, 40, Rgb(9)),

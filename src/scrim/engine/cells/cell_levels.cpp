@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include <glm/matrix.hpp>
 #include <glm/vector_relational.hpp>
 
 namespace scrim {
@@ -18,12 +19,34 @@ void add(const std::vector<bool>& some, std::vector<bool>& to) {
     for (std::size_t v = 0; v < to.size(); ++v) to[v] = to[v] || some[v];
 }
 
+// World volume of the blocks of the fields of these volumes.
+double occupied(const ViewScene& scene, const std::vector<bool>& volumes) {
+    double sum = 0;
+    for (std::size_t v = 0; v < volumes.size(); ++v) {
+        if (!volumes[v]) continue;
+        const SparseField& field = *scene.volumes[v].field;
+        double voxels = double(field.blockCount()) * kBlockVoxels;
+        for (const ConstantTile& tile : field.tiles) voxels += std::pow(double(tile.edge), 3);
+        sum += voxels * std::abs(glm::determinant(Mat3(scene.volumes[v].wsFromIs)));
+    }
+    return sum;
+}
+
+// True if cells of the edge `small` for all of these cost far more than those of `large` for what they are for.
+bool costsMoreTogether(const ViewScene& scene, const std::vector<bool>& ofLarge, double large,
+                       const std::vector<bool>& ofSmall, double small) {
+    constexpr double kMore = 2;
+    const double coarse = occupied(scene, ofLarge), fine = occupied(scene, ofSmall) / std::pow(small, 3);
+    return coarse / std::pow(small, 3) + fine > kMore * (coarse / std::pow(large, 3) + fine);
+}
+
 }  // namespace
 
 std::vector<std::vector<bool>> cellLevels(const ViewScene& scene,
                                           const std::function<double(const ViewScene&)>& edgeFor) {
-    // Cells that are up to so many times larger than need be cost less than a level of their own: in ten plumes of
-    // 0.5 to 1.5 times the size, of which some need cells twice as small, two levels take 1.1 times as long as one.
+    // Cells that are up to so many times smaller than need be may cost less than a level of their own: in ten plumes of
+    // 0.5 to 1.5 times the size, of which some need cells twice as small, two levels take 1.1 times as long as one. But
+    // haze around a plume, whose cells may be 2.9 times as large, took 10 times as long.
     constexpr double kAlike = 3;
     std::map<std::pair<bool, int>, std::vector<bool>> byVoxel;  // surfaces or not, octave
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
@@ -43,7 +66,8 @@ std::vector<std::vector<bool>> cellLevels(const ViewScene& scene,
     std::tuple<bool, double, int> first;
     for (const auto& [kind, volumes] : byEdge) {
         if (levels.empty() || std::get<bool>(kind) != std::get<bool>(first) ||
-            std::get<double>(first) < kAlike * std::get<double>(kind)) {
+            std::get<double>(first) < kAlike * std::get<double>(kind) ||
+            costsMoreTogether(scene, levels.back(), -std::get<double>(first), volumes, -std::get<double>(kind))) {
             levels.push_back(volumes);
             first = kind;
         } else {
