@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Points that the eye sees as balls: what a picture sums up to is what their chords do, whatever pixels and voxels are,
 // and what lies in front of them hides them.
+#include "support/expect_error.h"
 #include "support/fields.h"
 
 #include <scrim/engine/balls/ball_profile.h>
+#include <scrim/verify/verify.h>
 #include <scrim/volume/field_builder.h>
 
 #include <gtest/gtest.h>
@@ -351,6 +353,14 @@ TEST(Balls, ASolidHidesThoseBehindIt) {
     EXPECT_NEAR(sumsOf(scene).alpha / all, 1, kExact);
     scene.camera.near = scene.camera.wsPosition.z;  // all in front of z = 0 is too near
     EXPECT_NEAR(sumsOf(scene).alpha / all, 0.5, kExact);
+}
+
+TEST(Balls, BruteForceRefusesThem) {
+    const ViewScene scene = sceneOf({{{0, 0, 0}}, {1}}, 1);
+    const Frame frame = renderScene(scene);
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { samplePixels(scene, frame.image, 10, 1); }),
+              "the picture shows the points of volume 'volume' themselves, but brute force marches through their "
+              "voxels; 'sharp = false' in [volume.points] shows these, too");
 }
 
 }  // namespace
