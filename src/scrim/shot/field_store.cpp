@@ -160,10 +160,12 @@ std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, const
     return uses;
 }
 
-/// True if the points of a volume's file may be seen by themselves, as far as the file's header tells.
+/// True if the points of a volume's file may be seen by themselves, as far as the file's header tells. A tolerance is
+/// checked by brute force, which marches through voxels: then only a volume that asks for it is.
 bool FieldStore::listsPoints(const Scene& scene, const SceneVolume& volume, const VolumeFile& file) const {
-    return isFile(volume) && !file.next && scene.dials.splat == SplatMode::shared && canSeeBalls(volume) &&
-           holdsPoints(file.path);
+    const bool asks = volume.edit && volume.edit->points.sharp;
+    return isFile(volume) && !file.next && scene.dials.splat == SplatMode::shared && (asks || scene.tolerance == 0) &&
+           canSeeBalls(volume) && holdsPoints(file.path);
 }
 
 /// The fields that were read ahead, if they are exactly these and no error occurred. An error is not reported here: the
