@@ -28,8 +28,8 @@ const std::vector<std::string> kLayers{"base",  "geometry", "image",  "solid", "
 
 // The rooms of the engine, likewise. Files of the engine itself stand above all of them; what is compiled anew for
 // every instruction set stands below.
-const std::vector<std::string> kRooms{"simd-inl.h", "model", "cells", "lamps",     "passes", "solve",
-                                      "splat",      "light", "shade", "composite", "plan"};
+const std::vector<std::string> kRooms{"simd-inl.h", "model", "cells", "lamps", "passes",    "solve",
+                                      "splat",      "light", "shade", "balls", "composite", "plan"};
 
 constexpr int kMostLines = 600, kManyLines = 400, kMedianLines = 150;
 

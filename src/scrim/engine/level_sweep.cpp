@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/level_sweep.h>
 
+#include <scrim/engine/balls/ball_sheets.h>
 #include <scrim/engine/composite/compositor.h>
 #include <scrim/engine/composite/finer_tiles.h>
 #include <scrim/engine/shade/level_sheets.h>
@@ -22,6 +23,7 @@ struct Level {
     EyeView eye;
     std::optional<FinerTiles> finer;  // none: this is the finest level
     std::optional<SheetShader> shader;
+    std::optional<BallSheets> balls;
     std::optional<Compositor> compositor;
     std::vector<std::uint8_t> walking;  // the tiles that walk this level's sheets, or finer ones; empty: all
 };
@@ -45,10 +47,13 @@ class LevelSweep {
                     finer[v] = finer[v] || (o > i && m_levels[o].sheets.group.volumes[v]);
             }
             if (i + 1 < m_levels.size()) level.finer.emplace(scene, level.sheets.group, finer, level.eye, m_tiles);
+            if (seesBalls(scene, plan))
+                level.balls.emplace(scene, plan, level.sheets, level.eye, m_tiles.region(), cellLight, others);
             level.shader.emplace(scene, plan, level.sheets, level.eye, cellLight, std::move(others));
             const LevelMap map(level.sheets.group.sheets, group.sheets);
             level.compositor.emplace(level.eye, m_tiles, group.sameSide, cutoff, rays.ends, rays.deep,
-                                     DeepRays::Level{static_cast<int>(i), map.n(0), map.sheets});
+                                     DeepRays::Level{static_cast<int>(i), map.n(0), map.sheets},
+                                     level.balls ? &*level.balls : nullptr);
             m_work.voxelsFed += level.sheets.extinction.voxels();
         }
     }
@@ -60,6 +65,7 @@ class LevelSweep {
         for (const Level& level : m_levels) {
             m_work.bytes.fields += level.sheets.extinction.bytes();
             m_work.bytes.shadows += level.sheets.lights.bytes();
+            m_work.bytes.picture += level.balls ? level.balls->bytes() : 0;
         }
         return m_work;
     }
@@ -103,12 +109,13 @@ class LevelSweep {
         m_work.sheets += static_cast<std::uint64_t>(count);
         m_work.footprints += level.sheets.extinction.splat(sheet, count, &level.sheets.group.needed);
         m_work += level.sheets.lights.attenuate(sheet, count, level.sheets.extinction);
+        if (level.balls) m_work.shade += level.balls->enter(sheet, count);
     }
 
     void composite(Level& level, int sheet, int count, const std::uint8_t* finer) {
         const WalkingTiles walking{level.walking.empty() ? nullptr : level.walking.data(), finer};
         const auto seen =
-            level.compositor->throughLevel(sheet, count, level.sheets.extinction.covered(), *level.shader, walking);
+            level.compositor->throughLevel(sheet, count, level.sheets.extinction.seen(0), *level.shader, walking);
         m_work += seen;
         m_work.layerSamples += seen.pixelSheets * static_cast<std::uint64_t>(m_group.outputs.layout.quads() - 1);
     }

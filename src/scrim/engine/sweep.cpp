@@ -5,6 +5,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/engine/balls/ball_sheets.h>
 #include <scrim/engine/composite/compositor.h>
 #include <scrim/engine/level_sweep.h>
 #include <scrim/engine/light/backdrop.h>
@@ -101,6 +102,20 @@ void keepDeep(DeepRays& deep, const EyeView& eye, int n, Swept& swept) {
     swept.deep = deep.resolve(eye, n);
 }
 
+// The texels that are shaded; none where pixels' rays are.
+std::optional<PlaneStack> shadedTexels(const Plan& plan, const GroupPlan& group) {
+    if (plan.shadeAtPixels) return std::nullopt;
+    return PlaneStack(group.batchSheets, group.sheets.width, group.sheets.height, group.outputs.layout.floats());
+}
+
+// Null if the eye sees none.
+std::unique_ptr<BallSheets> ballSheets(const ViewScene& scene, const Plan& plan, const LevelSheets& sheets,
+                                       const EyeView& eye, const PixelWindow& region,
+                                       const std::vector<CellLight>& cellLight) {
+    if (!seesBalls(scene, plan)) return nullptr;
+    return std::make_unique<BallSheets>(scene, plan, sheets, eye, region, cellLight);
+}
+
 Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
             const std::vector<CellLight>& cellLight, std::size_t mostDeepBytes,
             const std::function<void(double, const PixelTiles&)>& progress) {
@@ -117,10 +132,10 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     if (onlyRaysLook(group)) extinction.leaveOutTexels();
     const SheetShader shader(scene, plan, sheets, eye, cellLight);
     const auto deep = deepRays(scene, group, tiles, mostDeepBytes);
-    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff), ends, deep.get());
-    std::optional<PlaneStack> shaded;
-    if (!plan.shadeAtPixels)
-        shaded.emplace(group.batchSheets, group.sheets.width, group.sheets.height, layout.floats());
+    const auto balls = ballSheets(scene, plan, sheets, eye, tiles.region(), cellLight);
+    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff), ends, deep.get(),
+                          {}, balls.get());
+    std::optional<PlaneStack> shaded = shadedTexels(plan, group);
     // The eye's own lattice contains only what it needs; tiles of the shared lattice are culled beforehand.
     const bool own = !group.lattice.shared();
     const TileCull cull = own && group.sameSide ? occlusionMap(tiles, group.lattice.guardTiles) : TileCull{};
@@ -136,28 +151,28 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
         work += lights.attenuate(first, count, extinction);
         times.attenuate += watch.lap();
         // Stages 4 and 5: shade and composite the sheets, at texels or where pixels' rays meet them.
+        if (balls) work.shade += balls->enter(first, count);
         RenderWork seen;
         if (shaded) {
-            const ShadeWork texels = shadeBatch(shader, eye, tiles, extinction.covered(), first, count, *shaded);
+            const ShadeWork texels = shadeBatch(shader, eye, tiles, extinction.seen(0), first, count, *shaded);
             work.shade += texels;
             work.texelsShaded += texels.samples;
             times.shade += watch.lap();
             seen = compositor.throughTexels(first, count, *shaded);
         } else {
-            seen = own ? compositor.throughCells(first, count, extinction.covered(), group.lattice.guardTiles, shader)
-                       : compositor.throughPixels(first, count, extinction.covered(), shader);
+            seen = own ? compositor.throughCells(first, count, extinction.seen(0), group.lattice.guardTiles, shader)
+                       : compositor.throughPixels(first, count, extinction.seen(0), shader);
         }
         work += seen;
         work.layerSamples += seen.pixelSheets * static_cast<std::uint64_t>(layout.quads() - 1);
         times.composite += watch.lap();
-
         progress(double(first + count - group.needed.first) / (group.needed.last - group.needed.first), tiles);
         // Front to back, once no pixel is open, the rest of the lights' path does not matter either.
         if (group.sameSide && compositor.allOpaque()) break;
     }
     work.solidRays = lights.solidRays();
     work.bytes = {extinction.bytes(), lights.bytes(), shaded ? shaded->bytes() : 0,
-                  tiles.bytes() + (ends ? ends->bytes() : 0)};
+                  tiles.bytes() + (ends ? ends->bytes() : 0) + (balls ? balls->bytes() : 0)};
     if (deep) keepDeep(*deep, eye, n, swept);
     return swept;
 }

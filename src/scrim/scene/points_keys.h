@@ -24,6 +24,12 @@ struct PointsKeys : SectionOf<PointLook> {
         choice("weight", {"ball", "disc"}, &PointLook::discs,
                "A ball of density 1, or one that weighs as much as its disc: then points that are smaller than voxels "
                "take away the light that falls on their discs, at density.scale = 1.");
+    const Key& sharp =
+        boolean("sharp", false,
+                "The picture shows the points themselves, each a ball of its own radius (or a disc) between the "
+                "sheets, however large voxels are: those make shadows and scattered light alone.")
+            .needed()
+            .unless("true where points are far apart, or smaller than the voxels that are stated");
 };
 
 }  // namespace scrim

@@ -142,6 +142,7 @@ PointLook readPoints(TomlTable table, const ReadContext& context) {
     table.read(p, context.frame, look);
     if (const auto radius = table.find(p.radius)) look.radius = radius->number();
     if (const auto voxel = table.find(p.voxel)) look.voxel = voxel->number();
+    if (const auto sharp = table.find(p.sharp)) look.sharp = sharp->boolean();
     table.finish();
     return look;
 }

@@ -15,6 +15,7 @@
 #include <scrim/solid/solids.h>
 #include <scrim/volume/sparse_field.h>
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -36,6 +37,31 @@ struct ViewField {
 struct ViewEmission {
     ViewField field;
     Rgb color{1};
+    bool ofBalls = false;  ///< the eye sees it at ViewVolume::balls, and its voxels only light volumes
+};
+
+/// Points that the eye sees as balls, or as discs that face it, in place of the voxels of a medium, which make shadows
+/// and scattered light all the same. Fields are lists of points (PointRaster::list), all on one lattice.
+struct ViewBalls {
+    std::array<std::shared_ptr<const SparseField>, 3> place;  ///< x, y and z on that lattice's unit box
+    std::shared_ptr<const SparseField> radius;                ///< in the asset's world; 0: there is no such point
+    /// Within a ball: times medium.densityScale, extinction. A disc has this opacity, or 1 if it is more, and sends out
+    /// what a world unit of its emission does.
+    std::shared_ptr<const SparseField> density;
+    std::vector<std::shared_ptr<const SparseField>> scatter = {};   ///< as ViewVolume::scatter
+    std::vector<ViewEmission> emission = {};                        ///< within a ball; places do not count
+    std::vector<std::shared_ptr<const SparseField>> velocity = {};  ///< as ViewVelocity::parts, or none
+    bool discs = false;
+    std::vector<HalfSpace> clip = {};  ///< centres beyond these faces are left out; in the asset's world
+    /// At the begin and the end of the moment that is seen: the map from the asset's world to the scene's, and the time
+    /// by which velocities have moved the points in the asset's. A point is drawn along its way.
+    std::array<Mat4, 2> wsFromAsset{Mat4(1.0), Mat4(1.0)};
+    std::array<double, 2> time{0, 0};
+
+    /// The number of points that lists may hold, those without radius included.
+    std::size_t count() const {
+        return radius->empty() ? 0 : (std::size_t(radius->blockOrigins.back().x) / kBlockEdge + 1) * kBlockVoxels;
+    }
 };
 
 /// Velocities by which the reference, and nothing else, moves fields: at x it sees what the fields hold at x - wsPath
@@ -79,6 +105,7 @@ struct ViewVolume {
     bool holdout = false;  ///< hides what is behind it and casts shadows, but adds neither colour nor alpha
     std::shared_ptr<const VolumeMotion> motion = nullptr;  ///< null: the volume stands still
     std::optional<Kernel> kernel = {};                     ///< reconstructs all its fields; none: Dials::kernel
+    std::shared_ptr<const ViewBalls> balls = nullptr;      ///< null: the eye sees the fields
     int place = -1;  ///< index into Scene::volumes, some of which may be culled; -1: its index in this scene
 };
 
@@ -99,6 +126,7 @@ struct ViewScene;
 struct Moment {
     double time = 0;  ///< frames relative to the scene's frame
     Vec2 lens{0};     ///< the place on the lens, in its radii
+    double span = 0;  ///< the time that it stands for, around `time`, frames
 };
 
 /// What the camera sees moment by moment. Only checks of the picture need it.
@@ -137,7 +165,9 @@ struct ViewScene {
     Dials dials;
     /// Culled volumes with the reason why, for the plan: (name, reason).
     std::vector<std::pair<std::string, std::string>> culled;
-    std::vector<Layer> layers;         ///< to render beside the beauty
+    std::vector<Layer> layers;  ///< to render beside the beauty
+    /// The camera where the moment that the picture shows begins and ends, for balls; none: it stands still.
+    std::optional<std::array<Camera, 2>> span = {};
     std::optional<Camera> nextCamera;  ///< the camera one frame later, for the layer `motion`; none: it stands still
     std::size_t volumeCount = 0;       ///< number of volumes of the scene, culled ones included; 0: as many as are here
     std::optional<ViewDeep> deep;      ///< none: the flat picture alone

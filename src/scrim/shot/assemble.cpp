@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/shot/derived_fields.h>
+#include <scrim/shot/point_balls.h>
 #include <scrim/shot/shaded_field.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/volume/coarser.h>
@@ -59,6 +60,8 @@ std::size_t derivedBytes(const std::vector<ViewVolume>& volumes, const std::vect
         given.insert(of.density);
         given.insert(of.finer);
         given.insert(of.emission.begin(), of.emission.end());
+        if (!of.points) continue;
+        for (const FieldPointer& list : of.points->all()) given.insert(list);
     }
     std::size_t bytes = 0;
     const auto add = [&](const FieldPointer& field) {
@@ -68,6 +71,10 @@ std::size_t derivedBytes(const std::vector<ViewVolume>& volumes, const std::vect
         add(volume.field);
         for (const ViewField& scatter : volume.scatter) add(scatter.field);
         for (const ViewEmission& emission : volume.emission) add(emission.field.field);
+        if (!volume.balls) continue;
+        add(volume.balls->density);
+        for (const FieldPointer& scatter : volume.balls->scatter) add(scatter);
+        for (const ViewEmission& emission : volume.balls->emission) add(emission.field.field);
     }
     return bytes;
 }
@@ -107,7 +114,8 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
         return volume.classified || volume.clip.empty() ? field : clippedField(field, volume.clip);
     };
     density = cut(density);
-    if (volumesOf == VolumesOf::picture && !volume.classified && fields.velocity.empty()) {
+    out.balls = fields.points ? ballsOf(volume, *fields.points) : nullptr;
+    if (volumesOf == VolumesOf::picture && !volume.classified && fields.velocity.empty() && !out.balls) {
         Medium medium = volume.medium;
         medium.densityScale = volume.densityScale;
         const Mat3 edges = Mat3(volume.wsFromAsset) * Mat3(density->wsFromIs);
@@ -128,7 +136,8 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
                     const bool masked = mask && i < fields.emissionMasks.size() && fields.emissionMasks[i];
                     const FieldPointer own =
                         masked ? maskedField(emitted.field, *mask, fields.emissionMasks[i]) : emitted.field;
-                    out.emission.push_back({viewed(cut(own)), emitted.color});
+                    const bool ofBalls = out.balls && !fields.points->emission[i]->empty();
+                    out.emission.push_back({viewed(cut(own)), emitted.color, ofBalls});
                 }
         if (volume.albedoGrid && fields.albedo[0] && !density->empty())
             for (const FieldPointer& channel : scatteringFields(*density, fields.albedo, *volume.albedoGrid))
@@ -141,6 +150,15 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
 }
 
 }  // namespace
+
+std::vector<FieldPointer> PointFields::all() const {
+    std::vector<FieldPointer> out{radius, density};
+    out.insert(out.end(), place.begin(), place.end());
+    out.insert(out.end(), albedo.begin(), albedo.end());
+    for (const auto* const lists : {&emission, &emissionMasks, &velocity})
+        out.insert(out.end(), lists->begin(), lists->end());
+    return out;
+}
 
 std::size_t limitBeside(std::size_t limit, std::size_t bytes) {
     if (limit == 0) return 0;
@@ -174,6 +192,12 @@ void place(const SceneVolume& volume, const VolumeFields& fields, ViewVolume& ou
     out.wsClip.clear();
     for (const HalfSpace& face : volume.clip)
         if (volume.classified) out.wsClip.push_back(transformed(face, glm::inverse(volume.wsFromAsset)));
+    if (out.balls) {
+        auto balls = std::make_shared<ViewBalls>(*out.balls);
+        balls->wsFromAsset = {volume.wsFromAsset, volume.wsFromAsset};
+        balls->time = {fields.time, fields.time};
+        out.balls = std::move(balls);
+    }
     out.velocity = nullptr;
     if (fields.velocity.empty() || fields.time == 0) return;
     auto velocity = std::make_shared<ViewVelocity>();

@@ -13,6 +13,17 @@
 
 namespace scrim {
 
+/// Lists of the points of a volume (PointRaster::list) for what voxels are in VolumeFields.
+struct PointFields {
+    std::array<std::shared_ptr<const SparseField>, 3> place, albedo;
+    std::shared_ptr<const SparseField> radius, density;
+    std::vector<std::shared_ptr<const SparseField>> emission, emissionMasks;  ///< empty ones: they are not of points
+    std::vector<std::shared_ptr<const SparseField>> velocity;
+
+    /// All of them, some of which may be null.
+    std::vector<std::shared_ptr<const SparseField>> all() const;
+};
+
 /// The grids of one volume, each in its asset's own world space. A grid is null where the volume shows nothing at this
 /// frame or does not need the grid.
 struct VolumeFields {
@@ -31,6 +42,7 @@ struct VolumeFields {
     /// Where shading is evaluated between voxels, too: the rest of the density, on finer voxels. Both have the ramp
     /// already. Null: there is no such detail.
     std::shared_ptr<const SparseField> finer = nullptr;
+    std::shared_ptr<const PointFields> points = nullptr;  ///< null: the eye sees voxels
 };
 
 /// The volumes to assemble: those that the picture needs, or all of the scene, for a check of the picture that must not

@@ -2,6 +2,8 @@
 #include <scrim/shot/field_store.h>
 
 #include <scrim/base/error.h>
+#include <scrim/shot/point_balls.h>
+#include <scrim/shot/point_lists.h>
 #include <scrim/shot/view_motion.h>
 #include <scrim/volume/grid_choice.h>
 #include <scrim/guard/load_fields.h>
@@ -22,21 +24,6 @@ namespace {
 /// density is read all the same, so that it is checked.
 bool usesDensity(const SceneVolume& volume) {
     return volume.densityScale != 0 || volume.classified || volume.emission.empty();
-}
-
-GridRequest albedoRequest(const SceneVolume& volume, int component) {
-    // A ramp makes colours of a scalar.
-    return {volume.albedoGrid->grid, volume.albedoGrid->ramp.empty() ? component : GridRequest::kScalar};
-}
-
-/// The requests for both fields of velocity component `axis`: values above 0 and values below 0.
-std::array<GridRequest, 2> velocityRequests(const Velocity& velocity, int axis) {
-    const bool isOne = velocity.grids.size() == 1;
-    GridRequest request{velocity.grids[isOne ? 0 : std::size_t(axis)], isOne ? axis : GridRequest::kScalar,
-                        GridPart::positive};
-    GridRequest below = request;
-    below.part = GridPart::negative;
-    return {request, below};
 }
 
 /// True if anything in the scene may move while the shutter is open.
@@ -71,10 +58,14 @@ std::size_t chooseGridOf(const std::vector<std::shared_ptr<const SparseField>>& 
 /// What is done to the grids of the volume, with the files that were found; null: nothing.
 std::shared_ptr<const GridEdit> editOf(const SceneVolume& volume, const VolumeFile& file) {
     if (!volume.edit || !volume.edit->changesGrids()) return nullptr;
-    if (volume.edit->files == file.all) return volume.edit;
+    // Faces cut fields and points later. Leaving out voxels beforehand only saves time, and would take away the points.
+    const bool keepsAll = volume.edit->clip && canSeeBalls(volume) && holdsPoints(file.path);
+    if (volume.edit->files == file.all && !keepsAll) return volume.edit;
     GridEdit edit = *volume.edit;
+    if (keepsAll) edit.clip.reset();
     edit.files = file.all;
     if (edit.files.empty()) edit.grids.clear();  // the volume's grids were set
+    if (keepsAll && !edit.changesGrids()) return nullptr;
     return std::make_shared<const GridEdit>(std::move(edit));
 }
 
@@ -167,6 +158,14 @@ std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, const
         for (const GridRequest& request : velocityRequests(*volume.velocity, axis))
             add(request, volume.velocity->where);
     return uses;
+}
+
+/// True if the points of a volume's file may be seen by themselves, as far as the file's header tells. A tolerance is
+/// checked by brute force, which marches through voxels: then only a volume that asks for it is.
+bool FieldStore::listsPoints(const Scene& scene, const SceneVolume& volume, const VolumeFile& file) const {
+    const bool asks = volume.edit && volume.edit->points.sharp;
+    return isFile(volume) && !file.next && scene.dials.splat == SplatMode::shared && (asks || scene.tolerance == 0) &&
+           canSeeBalls(volume) && holdsPoints(file.path);
 }
 
 /// The fields that were read ahead, if they are exactly these and no error occurred. An error is not reported here: the
@@ -295,7 +294,11 @@ FieldStore::Uses FieldStore::usesOf(const Scene& scene, const std::vector<Volume
         const SceneVolume& volume = scene.volumes[i];
         for (const VolumeFile* file = &files[i]; file != nullptr; file = file->next.get()) {
             const Origin origin = originOf(volume, *file);
-            for (Use& use : usesOf(volume, *file, blurred || isCarried(volume, files[i])))
+            std::vector<Use> all = usesOf(volume, *file, blurred || isCarried(volume, files[i]));
+            if (listsPoints(scene, volume, files[i]))
+                for (GridRequest& request : pointRequests(volume, blurred))
+                    all.push_back({&volume, editOf(volume, *file), std::move(request), ""});
+            for (Use& use : all)
                 if (used.insert({origin, use.request}).second) uses[origin].push_back(std::move(use));
         }
     }
@@ -424,6 +427,11 @@ VolumeFields FieldStore::fieldsOf(const Scene& scene, const SceneVolume& volume,
         for (const GridRequest& request : velocityRequests(*volume.velocity, axis))
             fields.velocity.push_back(grids.at(request));
     fields.sources = grids.sources();
+    if (!listsPoints(scene, volume, file)) return fields;
+    const Origin origin = originOf(volume, file);
+    fields.points = pointFields(volume, blurred, m_shader, [&](const GridRequest& request) {
+        return m_fields.at({origin, request});
+    });
     return fields;
 }
 
@@ -522,6 +530,8 @@ std::size_t bytesOf(const Fields& fields) {
         all.insert(of.emissionMasks.begin(), of.emissionMasks.end());
         all.insert(of.velocity.begin(), of.velocity.end());
         all.insert(of.sources.begin(), of.sources.end());
+        if (!of.points) continue;
+        for (const FieldPointer& list : of.points->all()) all.insert(list);
     }
     for (const auto& field : all)
         if (field) bytes += field->bytes();

@@ -95,6 +95,7 @@ class FieldStore {
     bool isFile(const SceneVolume& volume) const;
     Origin originOf(const SceneVolume& volume, const VolumeFile& file) const;
     static std::vector<Use> usesOf(const SceneVolume& volume, const VolumeFile& file, bool blurred);
+    bool listsPoints(const Scene& scene, const SceneVolume& volume, const VolumeFile& file) const;
     /// The grids of one volume, at its moment between two files where it lies between them.
     class GridsOf;
     std::vector<std::string> culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const;

@@ -11,6 +11,7 @@
 #include <scrim/engine/sweep.h>
 #include <scrim/shot/frame_report.h>
 #include <scrim/shot/shot_motion.h>
+#include <scrim/verify/moments_reference.h>
 #include <scrim/verify/tolerance.h>
 #include <scrim/verify/verify.h>
 
@@ -159,6 +160,7 @@ Frame FrameRender::run() {
                    fmt::format("frame {}: volume '{}' is culled: {}", m_report.frame, name, reason));
     // The truth depends neither on culling nor on coarser levels.
     const ViewScene truth = isVerified(scene, m_options) ? m_motion.truth() : ViewScene{};
+    checkVerifiable(truth);
     return scene.tolerance > 0 ? renderTolerance(view, truth) : renderOnce(view, truth);
 }
 

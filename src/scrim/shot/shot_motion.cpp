@@ -9,6 +9,7 @@
 #include <scrim/scene/quality.h>
 #include <scrim/shot/mean_frame.h>
 #include <scrim/shot/moved_field.h>
+#include <scrim/shot/point_balls.h>
 #include <scrim/shot/view_motion.h>
 #include <scrim/verify/moment_dials.h>
 #include <scrim/verify/pilot_picture.h>
@@ -94,6 +95,12 @@ bool sameLook(const SceneVolume& a, const SceneVolume& b) {
     return true;
 }
 
+// The scene as it is seen from a place on its lens.
+Scene seenFrom(const Vec2& place, Scene scene) {
+    if (scene.lens) scene.camera = throughLens(scene.camera, *scene.lens, place);
+    return scene;
+}
+
 // The longest displacement by velocities, in world units, but for a few fast voxels, which are no reason for a hundred
 // renders.
 class UsualWays {
@@ -140,9 +147,10 @@ class ShotMotion::Moments {
     ViewScene inPlace(double t) const { return inPlace(t, m_shot.sceneAt(t)); }
     ViewScene inPlace(double t, const Scene& at) const;
     // The fields are moved, and volumes that the picture does not need are left out. `at`: the scene at time t.
-    ViewScene moved(double t, const Scene& at) const;
+    ViewScene moved(const Moment& moment, const Scene& at) const;
 
   private:
+    void drawWays(const Moment& moment, ViewScene& view) const;
     const LoadedShot& m_shot;
     const RenderOptions& m_options;
     const double m_lod;
@@ -190,7 +198,25 @@ ViewScene ShotMotion::Moments::inPlace(double t, const Scene& at) const {
     return out;
 }
 
-ViewScene ShotMotion::Moments::moved(double t, const Scene& at) const {
+// Lets balls be drawn along their ways from the begin of a moment to its end, seen by a camera that moves along its
+// own.
+void ShotMotion::Moments::drawWays(const Moment& moment, ViewScene& view) const {
+    if (std::ranges::none_of(view.volumes, [](const ViewVolume& volume) { return volume.balls != nullptr; })) return;
+    const std::array<double, 2> times{moment.time - 0.5 * moment.span, moment.time + 0.5 * moment.span};
+    const std::array<Scene, 2> ends{seenFrom(moment.lens, m_shot.sceneAt(times[0])),
+                                    seenFrom(moment.lens, m_shot.sceneAt(times[1]))};
+    const std::array<Fields, 2> fields{m_shot.fieldsAt(times[0]), m_shot.fieldsAt(times[1])};
+    view.span = {ends[0].camera, ends[1].camera};
+    for (ViewVolume& volume : view.volumes) {
+        const auto i = std::size_t(volume.place);
+        if (volume.balls)
+            volume.balls = movedBalls(*volume.balls, {&ends[0].volumes[i], &ends[1].volumes[i]},
+                                      {fields[0][i].time, fields[1][i].time});
+    }
+}
+
+ViewScene ShotMotion::Moments::moved(const Moment& moment, const Scene& at) const {
+    const double t = moment.time;
     ViewScene out = inPlace(t, at);
     cull(at, out);
     Fields fields = m_shot.fieldsAt(t);
@@ -209,6 +235,7 @@ ViewScene ShotMotion::Moments::moved(double t, const Scene& at) const {
         own.time = 0;
         place(at.volumes[std::size_t(volume.place)], own, volume);
     }
+    drawWays(moment, out);
     out.memoryLimit = limitBeside(out.memoryLimit, bytes);
     return out;
 }
@@ -227,7 +254,7 @@ ShotMotion::ShotMotion(const LoadedShot& shot, const RenderOptions& options) : m
     m_blur = largestBlur();
     const std::optional<int>& samples = shot.scene.dials.shutterSamples;
     m_samples = samples ? *samples : samplesFor(m_path);
-    m_middle = viewAt({middle(), Vec2(0)});
+    m_middle = viewAt({middle(), Vec2(0), (m_shutter.close - m_shutter.open) / m_samples});
     chooseDials();
 }
 
@@ -238,6 +265,7 @@ ShotMotion::~ShotMotion() = default;
 Moment ShotMotion::momentOf(int i, int count) const {
     Moment moment;
     moment.time = m_shutter.open + (i + 0.5) / count * (m_shutter.close - m_shutter.open);
+    moment.span = (m_shutter.close - m_shutter.open) / count;
     if (!m_shot.scene.lens) return moment;
     const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
     const Vec2 square = evenPoint(i);
@@ -247,23 +275,13 @@ Moment ShotMotion::momentOf(int i, int count) const {
     return moment;
 }
 
-namespace {
-
-// The scene as it is seen from a place on its lens.
-Scene seenFrom(const Vec2& place, Scene scene) {
-    if (scene.lens) scene.camera = throughLens(scene.camera, *scene.lens, place);
-    return scene;
-}
-
-}  // namespace
-
 Scene ShotMotion::sceneAt(const Moment& moment) const {
     return seenFrom(moment.lens, m_shot.sceneAt(moment.time));
 }
 
 ViewScene ShotMotion::viewAt(const Moment& moment) const {
     const Scene at = sceneAt(moment);
-    ViewScene view = m_moments->moved(moment.time, at);
+    ViewScene view = m_moments->moved(moment, at);
     if (wantsMotion(at)) addMotion(view, at, seenFrom(moment.lens, m_shot.nextAt(moment.time)), m_shot.fields);
     return view;
 }
@@ -432,7 +450,7 @@ double ShotMotion::wantedSamples(double error, double most) const {
         MeanFrame mean(count);
         for (int i = 0; i < count; ++i) {
             const Moment moment = momentOf(i, count);
-            ViewScene coarse = moments.moved(moment.time, sceneAt(moment));
+            ViewScene coarse = moments.moved(moment, sceneAt(moment));
             coarse.dials = *presetDials(presetNames().front());
             const bool backdrop = wants(coarse, Layer::backdrop);
             ViewScene pilot = pilotView(std::move(coarse), kPilotEdge);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/moments_reference.h>
 
+#include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/geometry/even_points.h>
 
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <glm/common.hpp>
 
 namespace scrim {
@@ -37,7 +39,17 @@ bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
 
 }  // namespace
 
+void checkVerifiable(const ViewScene& truth) {
+    for (const ViewVolume& volume : truth.volumes)
+        if (volume.balls)
+            throw Error(ErrorKind::usage,
+                        fmt::format("the picture shows the points of volume '{}' themselves, but brute force marches "
+                                    "through their voxels; 'sharp = false' in [volume.points] shows these, too",
+                                    volume.name));
+}
+
 MomentsReference::MomentsReference(const ViewScene& truth) : m_truth(truth), m_paths(kPaths) {
+    checkVerifiable(truth);
     if (!truth.moments) {
         OfMoment& still = m_levels.emplace_back().emplace_back();
         still.reference = std::make_unique<const Reference>(truth, ReferenceOptions{}, &m_samplers);

@@ -16,6 +16,10 @@
 
 namespace scrim {
 
+/// Throws Error(usage) where the reference sees something else than the picture shows: it marches through voxels, and
+/// not through points that are balls.
+void checkVerifiable(const ViewScene& truth);
+
 class MomentsReference {
   public:
     /// `truth` must outlive this object. If it has a single moment, this equals `Reference`.

@@ -81,7 +81,7 @@ std::vector<SparseField> soundFieldsOf(const VdbBytes& file, const VdbLayout& la
 /// False where the grid that a request means surely needs OpenVDB, so that nothing is read in vain.
 bool mayBeDirect(const VdbLayout& layout, const std::vector<GridOffer>& offers, const GridRequest& request) {
     const auto choice = chooseGrid(offers, request);
-    if (!choice || layout.isNano || !layout.points.empty()) return false;
+    if (!choice || layout.isNano || !layout.points.empty() || isList(request.part)) return false;
     const GridOffer& offer = offers[choice->grid];
     const bool isFog = request.component == GridRequest::kScalar && offer.gridClass == "level set";
     return (offer.type == kVdbFloats || offer.type == kVdbVectors) && !isFog;
@@ -95,7 +95,7 @@ std::map<GridRequest, SparseField> directFields(const VdbBytes& file, const VdbL
     std::map<std::size_t, Wanted> grids;
     for (const GridRequest& request : std::set<GridRequest>(requests.begin(), requests.end())) {
         const auto choice = chooseGrid(offers, request);
-        if (!choice) continue;
+        if (!choice || isList(request.part)) continue;
         Wanted& wanted = grids[choice->grid];
         wanted.requests.push_back(request);
         wanted.fields.push_back({choice->component, request.part});

@@ -83,7 +83,13 @@ std::string toText(const GridEdit& edit) {
              {"programs", programs}, {"variables", variables}, {"where", edit.where}};
     const PointLook& look = edit.points;
     if (look != PointLook())
-        out["points"] = {look.radius, look.scale, look.voxel, look.discs ? 1.0 : 0.0, look.open, look.close};
+        out["points"] = {look.radius,
+                         look.scale,
+                         look.voxel,
+                         look.discs ? 1.0 : 0.0,
+                         look.open,
+                         look.close,
+                         look.sharp ? (*look.sharp ? 1.0 : 0.0) : -1.0};
     if (edit.clip) out["clip"] = {toJson(edit.clip->lower), toJson(edit.clip->upper)};
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -97,7 +103,8 @@ GridEdit gridEditFrom(const std::string& text) {
         if (j.contains("clip")) edit.clip = Bounds{vectorFrom(j.at("clip").at(0)), vectorFrom(j.at("clip").at(1))};
         if (j.contains("points")) {
             const auto at = [&](std::size_t i) { return j.at("points").at(i).get<double>(); };
-            edit.points = {at(0), at(1), at(2), at(3) != 0, at(4), at(5)};
+            edit.points = {at(0), at(1), at(2), at(3) != 0, {}, at(4), at(5)};
+            if (at(6) >= 0) edit.points.sharp = at(6) > 0;
         }
         edit.resample = j.at("resample").get<double>();
         edit.density = j.at("density").get<std::string>();

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/volume/grid_request.h>
 
+#include <array>
+#include <string_view>
+
 #include <fmt/format.h>
 
 namespace scrim {
@@ -8,20 +11,23 @@ namespace scrim {
 namespace {
 
 constexpr const char* kScalarPrefix = "scalar:";
+constexpr std::array<std::string_view, 7> kSigns{"", "+", "-", "*", "@", "*+", "*-"};  // in the order of GridPart
 
 }  // namespace
 
 std::string toText(const GridRequest& request) {
-    const std::string sign = request.part == GridPart::whole ? "" : request.part == GridPart::positive ? "+" : "-";
-    return sign + (request.component == GridRequest::kScalar ? kScalarPrefix + request.grid
-                                                             : fmt::format("{}:{}", request.component, request.grid));
+    const std::size_t part = static_cast<std::size_t>(request.part);
+    return std::string(kSigns.at(part)) + (request.component == GridRequest::kScalar
+                                               ? kScalarPrefix + request.grid
+                                               : fmt::format("{}:{}", request.component, request.grid));
 }
 
 GridRequest gridRequestFrom(const std::string& text) {
     const std::size_t prefix = std::string(kScalarPrefix).size();
-    const bool isSigned = text.starts_with('+') || text.starts_with('-');
-    const GridPart part = !isSigned ? GridPart::whole : text[0] == '+' ? GridPart::positive : GridPart::negative;
-    const std::string grid = isSigned ? text.substr(1) : text;
+    std::size_t sign = kSigns.size() - 1;
+    while (!text.starts_with(kSigns[sign])) --sign;  // the first is empty
+    const auto part = static_cast<GridPart>(sign);
+    const std::string grid = text.substr(kSigns[sign].size());
     if (grid.starts_with(kScalarPrefix)) return {grid.substr(prefix), GridRequest::kScalar, part};
     if (grid.size() >= 2 && grid[0] >= '0' && grid[0] <= '2' && grid[1] == ':')
         return {grid.substr(2), grid[0] - '0', part};

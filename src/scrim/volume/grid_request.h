@@ -15,6 +15,13 @@ enum class GridPart {
     whole,     ///< all numbers; those below 0 are errors and count as 0
     positive,  ///< for velocities: numbers above 0, others as 0
     negative,  ///< for velocities: numbers below 0 without their sign, others as 0
+    /// Lists of points in place of voxels (PointRaster::list): of the points of a density, or of an attribute, the
+    /// value of each; and of a density's points the places (components 0, 1, 2) or the radius (kScalar) of each. Empty
+    /// where voxels show the points well enough, and where the name means no points.
+    ofPoints,
+    places,
+    positiveOfPoints,  ///< as ofPoints; numbers as `positive` and `negative` have them
+    negativeOfPoints,
 };
 
 /// A scalar grid as it is, or one component of a colour or a velocity.
@@ -34,7 +41,13 @@ struct GridRequest {
     }
 };
 
-/// Convert a request to one word for other processes, "scalar:density", "0:Cd", "+0:velocity", "-scalar:vx", and back.
+/// True for a part that is a list of points.
+constexpr bool isList(GridPart part) {
+    return part >= GridPart::ofPoints;
+}
+
+/// Convert a request to one word for other processes, "scalar:density", "0:Cd", "+0:velocity", "-scalar:vx", "*0:Cd"
+/// (of points), "@0:spray" (places), "*+0:v", "*-0:v", and back.
 /// The latter throws Error(usage) for any other text.
 std::string toText(const GridRequest& request);
 GridRequest gridRequestFrom(const std::string& text);

@@ -6,6 +6,7 @@
 #include <scrim/geometry/spaces.h>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,9 @@ struct PointLook {
     double scale = 1;    ///< factor on radii
     double voxel = 0;    ///< edge of voxels in world units of the file; 0: chosen by radii
     bool discs = false;  ///< a point weighs as much as its disc, else as its ball
+    /// The eye sees the points themselves (PointRaster::list), and voxels only make their light; none: where they are
+    /// small beside the voxels that are affordable.
+    std::optional<bool> sharp = {};
     /// When velocities are looked at: at points that have moved for these times.
     double open = 0, close = 0;
 

@@ -27,6 +27,7 @@ constexpr double kMostIndex = 8.0 * (kMostCube - 1);        // voxels from the o
 constexpr std::size_t kUsualBlocks = 1 << 18;               // what finer voxels may take by themselves: 512 MB
 constexpr std::size_t kMostBlocks = std::size_t{1} << 22;   // 8 GB
 constexpr std::size_t kMostTouches = std::size_t{1} << 28;  // pairs of stamps and blocks
+constexpr double kFinest = 0.5;                             // edge of the finest voxels, in radii
 
 /// Places of equal parts of a ball of radius 1, by their number along the diameter. Their mean is its centre.
 const std::vector<Vec3>& partsOf(int across) {
@@ -151,8 +152,10 @@ std::optional<PointRadii> ownRadii(const PointCloud& cloud) {
     return {};
 }
 
-PointRaster::PointRaster(PointCloud cloud, const PointLook& look, const std::string& where, const MessageSink& messages)
+PointRaster::PointRaster(PointCloud cloud, const PointLook& look, const std::string& where, const MessageSink& messages,
+                         bool listed)
     : m_cloud(std::move(cloud)), m_look(look), m_where(where) {
+    if (!listed) m_look.sharp = false;
     keepSound(messages);
     chooseVoxel(messages);
 }
@@ -235,12 +238,17 @@ void PointRaster::setVoxel(double voxel) {
 /// Half of the usual radius, so that a ball is four voxels across; or twice that, and so on, where that takes too much
 /// memory.
 void PointRaster::chooseVoxel(const MessageSink& messages) {
-    constexpr double kFinest = 0.5, kAsPoints = 2;  // radii
-    if (m_look.voxel > 0) return setVoxel(m_look.voxel);
-    if (m_radii.empty()) return setVoxel(1);
+    constexpr double kAsPoints = 2;  // radii
+    if (m_radii.empty()) return setVoxel(m_look.voxel > 0 ? m_look.voxel : 1);
     std::vector<float> radii = m_radii;
     std::nth_element(radii.begin(), radii.begin() + std::ptrdiff_t(radii.size() / 2), radii.end());
     const auto usual = double(radii[radii.size() / 2]);
+    if (m_look.voxel > 0) {
+        m_sharp = m_look.sharp.value_or(2 * usual < m_look.voxel);
+        return setVoxel(m_look.voxel);
+    }
+    m_sharp = m_look.sharp.value_or(areFarApart(kFinest * usual));
+    if (m_sharp) return chooseForLight(usual, messages);
     std::size_t blocks = kUsualBlocks + 1, sharp = 0;
     double part = kFinest;
     for (; blocks > kUsualBlocks; part *= 2) {
@@ -261,6 +269,36 @@ void PointRaster::chooseVoxel(const MessageSink& messages) {
                            "points of {:.3g} shows each of them, and takes {}{:.0f} MB a grid",
                            m_where, m_voxel, kAsPoints * usual, sharp > kMostBlocks ? "more than " : "",
                            megabytes(sharp)));
+}
+
+/// True if points fill so little of the blocks of such voxels that these blocks are as many as the points. Such a block
+/// is twice the diameter of a ball wide, so its balls fill at most a fifteenth of it.
+bool PointRaster::areFarApart(double voxel) {
+    constexpr std::size_t kFew = 64;  // blocks that are worth no thought
+    if (!spans(voxel)) return true;
+    setVoxel(voxel);
+    const std::size_t most = std::clamp(m_radii.size(), kFew, kMostBlocks);
+    return countBlocks(most) > most;
+}
+
+/// Of points that the eye sees by themselves, voxels make the light alone: the mean of many points. They are as small
+/// as a few points to a block allow, and so large that the longest side of all is a few hundred of them.
+void PointRaster::chooseForLight(double usual, const MessageSink& messages) {
+    constexpr std::size_t kPointsOfBlock = 32, kFew = 4096;
+    constexpr double kAcross = 512;
+    const double length = largest(wsBounds().size());
+    std::size_t blocks = 0;
+    for (double part = kFinest;; part *= 2) {
+        if (part * usual * kAcross < length || !spans(part * usual)) continue;
+        setVoxel(part * usual);
+        const std::size_t most = std::max(m_radii.size() / kPointsOfBlock, kFew);
+        blocks = countBlocks(most);
+        if (blocks <= most) break;
+    }
+    notify(messages, Severity::info,
+           fmt::format("{}: {} points '{}' of a usual radius of {:.3g} are seen by themselves; their light is that of "
+                       "voxels of {:.3g} in {} blocks, which 'voxel' of points changes",
+                       m_where, m_radii.size(), shortened(m_cloud.name, 80), usual, m_voxel, blocks));
 }
 
 /// The number of blocks, or one more than `most`.
@@ -379,6 +417,37 @@ std::vector<SparseField> PointRaster::fields(const PointBlocks& blocks, const Po
     std::vector<SparseField> out;
     for (FieldFill& fill : fills) out.push_back(fill.finish());
     return out;
+}
+
+SparseField PointRaster::list(const Listed& wanted, BlockMemory& memory) const {
+    FieldPieces pieces;
+    pieces.name = wanted.name;
+    const std::size_t count = m_sharp ? m_radii.size() : 0;
+    const Bounds ws = wsBounds();
+    const Vec3 size = count == 0 ? Vec3(1) : ws.size();  // above 0, since radii are
+    for (int axis = 0; axis < 3; ++axis) pieces.wsFromIs[axis][axis] = size[axis];
+    if (count > 0) pieces.wsFromIs[3] = glm::dvec4(ws.lower, 1.0);
+    for (std::size_t i = 0; i < count; i += kBlockVoxels)
+        pieces.blockOrigins.emplace_back(static_cast<int>(i / kBlockVoxels) * kBlockEdge, 0, 0);
+    const auto valueOf = [&](std::size_t i) {
+        const auto c = static_cast<std::size_t>(std::max(wanted.component, 0));
+        if (wanted.part == GridPart::places)
+            return wanted.component == GridRequest::kScalar
+                       ? m_radii[i]
+                       : static_cast<float>((m_cloud.positions[i][int(c)] - ws.lower[int(c)]) / size[int(c)]);
+        if (wanted.attribute != nullptr) {
+            const float value = wanted.attribute->values[i * std::size_t(wanted.attribute->width) + c];
+            if (wanted.part == GridPart::positiveOfPoints) return std::max(value, 0.0f);
+            return wanted.part == GridPart::negativeOfPoints ? std::max(-value, 0.0f) : value;
+        }
+        const double r = double(m_radii[i]), own = std::numbers::pi * r * r * (m_look.discs ? 1 : 4.0 / 3 * r);
+        return static_cast<float>(double(m_weights[i]) / own);
+    };
+    pieces.fill = [&](std::size_t block, float* to) {
+        const std::size_t first = block * kBlockVoxels;
+        for (std::size_t i = 0; i < kBlockVoxels; ++i) to[i] = first + i < count ? valueOf(first + i) : 0;
+    };
+    return buildField(std::move(pieces), memory);
 }
 
 }  // namespace scrim

@@ -47,9 +47,13 @@ class PointRaster {
   public:
     /// `where` (the file) starts every message and error. Points whose numbers are not finite are left out with a
     /// warning. Throws Error(input) where voxels are too small for the places or the number of points.
-    PointRaster(PointCloud cloud, const PointLook& look, const std::string& where, const MessageSink& messages);
+    /// `listed`: lists of the points are wanted, too. Voxels then need not show points that are far apart.
+    PointRaster(PointCloud cloud, const PointLook& look, const std::string& where, const MessageSink& messages,
+                bool listed = false);
 
     const PointCloud& cloud() const { return m_cloud; }
+    /// True if the eye sees the points themselves, so that lists of them are not empty.
+    bool sharp() const { return m_sharp; }
     const Mat4& wsFromIs() const { return m_wsFromIs; }
 
     /// The points as they are; or as wide as needed by a velocity, which must be known wherever they pass between
@@ -75,11 +79,28 @@ class PointRaster {
     std::vector<SparseField> fields(const PointBlocks& blocks, const PointAttribute* attribute,
                                     const std::vector<Wanted>& wanted, BlockMemory& memory) const;
 
+    /// Which number of each point a list holds: an attribute's component, the density within a point, a coordinate of
+    /// its place, or its radius.
+    struct Listed {
+        std::string name;
+        GridPart part = GridPart::ofPoints;
+        int component = 0;
+        const PointAttribute* attribute = nullptr;
+    };
+    /// One number of each point in the form of a field, so that all that maps fields voxel by voxel maps points, too:
+    /// block i, at index (8 i, 0, 0), holds points 512 i and following, and blocks of zeros are left out. All lists of
+    /// the same points have one lattice, whose map to the world is that of the places: these are in units of the box
+    /// around all points, so that floats keep a sixteen-millionth of it. Radii are in world units, 0 beyond the last
+    /// point. The density is 1, or that of the attribute. Empty unless sharp().
+    SparseField list(const Listed& wanted, BlockMemory& memory) const;
+
   private:
     void keepSound(const MessageSink& messages);
     void chooseVoxel(const MessageSink& messages);
     void setVoxel(double voxel);
     bool spans(double voxel) const;
+    bool areFarApart(double voxel);
+    void chooseForLight(double usual, const MessageSink& messages);
     Bounds wsBounds() const;
     std::size_t countBlocks(std::size_t most) const;
     PointStamp stampAt(std::size_t point, const Vec3& ws, float wider) const;
@@ -90,6 +111,7 @@ class PointRaster {
     std::vector<float> m_radii;    ///< of each point, in world units
     std::vector<float> m_weights;  ///< of each point: the sum over voxels, times their volume
     double m_voxel = 0;
+    bool m_sharp = false;
     Mat4 m_wsFromIs{1.0};
 };
 

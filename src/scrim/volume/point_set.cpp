@@ -30,10 +30,16 @@ bool mayMean(const std::set<GridRequest>& requests, const std::string& name) {
     });
 }
 
-void PointSet::add(std::size_t place, PointCloud cloud, const PointLook& look, const std::string& path, Notes& notes) {
+bool wantsLists(const std::set<GridRequest>& requests) {
+    return std::any_of(requests.begin(), requests.end(), [](const GridRequest& r) { return isList(r.part); });
+}
+
+void PointSet::add(std::size_t place, PointCloud cloud, const PointLook& look, const std::string& path, bool listed,
+                   Notes& notes) {
     m_look = look;
-    m_rasters.try_emplace(place, std::move(cloud), look, path,
-                          [&](Severity severity, const std::string& text) { notes.emplace_back(severity, text); });
+    m_rasters.try_emplace(
+        place, std::move(cloud), look, path,
+        [&](Severity severity, const std::string& text) { notes.emplace_back(severity, text); }, listed);
 }
 
 std::optional<std::pair<PointSet::Use, int>> PointSet::useOf(const std::vector<GridOffer>& offers,
@@ -72,6 +78,23 @@ PointBlocks PointSet::blocksOf(const Use& use) const {
     return raster.blocksOnWay(velocity->width == 3 ? velocity : nullptr);
 }
 
+/// A list; empty where the request means no points.
+SparseField PointSet::list(const std::vector<GridOffer>& offers, const GridRequest& request,
+                           BlockMemory& memory) const {
+    GridRequest plain = request;
+    plain.part = GridPart::whole;
+    const bool places = request.part == GridPart::places;
+    if (places) plain.component = GridRequest::kScalar;
+    SparseField none;
+    none.name = request.grid;
+    const auto use = useOf(offers, plain);
+    if (!use || (places && !use->first.attribute.empty())) return none;
+    const PointRaster& raster = m_rasters.at(use->first.place);
+    return raster.list({request.grid, request.part, places ? request.component : use->second,
+                        raster.cloud().attribute(use->first.attribute)},
+                       memory);
+}
+
 std::map<GridRequest, SparseField> PointSet::fields(const std::vector<GridOffer>& offers,
                                                     const std::set<GridRequest>& requests, BlockMemory& memory) const {
     struct Asked {
@@ -79,13 +102,15 @@ std::map<GridRequest, SparseField> PointSet::fields(const std::vector<GridOffer>
         std::vector<PointRaster::Wanted> wanted;
     };
     std::map<Use, Asked> uses;
+    std::map<GridRequest, SparseField> out;
     for (const GridRequest& request : requests)
-        if (const auto use = useOf(offers, request)) {
+        if (isList(request.part)) {
+            out.emplace(request, list(offers, request, memory));
+        } else if (const auto use = useOf(offers, request)) {
             Asked& asked = uses[use->first];
             asked.requests.push_back(request);
             asked.wanted.push_back({request.grid.empty() ? use->first.name : request.grid, use->second, request.part});
         }
-    std::map<GridRequest, SparseField> out;
     for (const auto& [use, asked] : uses) {
         const PointRaster& raster = m_rasters.at(use.place);
         std::vector<SparseField> fields =

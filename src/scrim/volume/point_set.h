@@ -24,7 +24,9 @@ class PointSet {
     using Notes = std::vector<std::pair<Severity, std::string>>;
 
     /// The points of offer `place`, as voxels. `path` starts every message. Throws Error.
-    void add(std::size_t place, PointCloud cloud, const PointLook& look, const std::string& path, Notes& notes);
+    /// `listed`: lists of the points are among what is wanted.
+    void add(std::size_t place, PointCloud cloud, const PointLook& look, const std::string& path, bool listed,
+             Notes& notes);
     bool empty() const { return m_rasters.empty(); }
 
     /// The fields of those of the requests that mean points; values lie in `memory`.
@@ -47,12 +49,16 @@ class PointSet {
         std::string name;  ///< of the grid
         auto operator<=>(const Use&) const = default;
     };
+    SparseField list(const std::vector<GridOffer>& offers, const GridRequest& request, BlockMemory& memory) const;
     std::optional<std::pair<Use, int>> useOf(const std::vector<GridOffer>& offers, const GridRequest& request) const;
     PointBlocks blocksOf(const Use& use) const;
 
     std::map<std::size_t, PointRaster> m_rasters;  ///< by the offers' places
     PointLook m_look;
 };
+
+/// True if one of the requests is for a list of points.
+bool wantsLists(const std::set<GridRequest>& requests);
 
 /// True if one of the requests may mean the attribute called `name`.
 bool mayMean(const std::set<GridRequest>& requests, const std::string& name);

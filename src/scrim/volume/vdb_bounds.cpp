@@ -5,6 +5,7 @@
 #include <scrim/volume/vdb_layout.h>
 #include <scrim/volume/vdb_map.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 
@@ -66,6 +67,17 @@ std::optional<Bounds> vdbBounds(const VdbBytes& file, const std::vector<GridRequ
         return all;
     } catch (const std::exception&) {  // this includes lack of memory
         return {};
+    }
+}
+
+bool holdsPoints(const std::string& path) {
+    try {
+        const VdbLayout layout = checkVdbLayout(VdbBytes(path));
+        const std::vector<GridOffer> offers = offersOf(layout);
+        return !layout.points.empty() ||
+               std::any_of(offers.begin(), offers.end(), [](const GridOffer& offer) { return offer.isPoints(); });
+    } catch (const std::exception&) {
+        return false;
     }
 }
 

@@ -23,4 +23,7 @@ namespace scrim {
 std::optional<Bounds> vdbBounds(const std::string& path, const std::vector<GridRequest>& requests);
 std::optional<Bounds> vdbBounds(const VdbBytes& file, const std::vector<GridRequest>& requests);
 
+/// True if the file is one of points, or has a grid of them, as far as its header tells. Never throws.
+bool holdsPoints(const std::string& path);
+
 }  // namespace scrim

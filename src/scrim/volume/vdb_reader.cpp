@@ -180,16 +180,17 @@ PointCloud pointsIn(const ParsedVdb& content, const openvdb::GridBase& grid, con
 /// Makes fields, or grids where no memory for fields is given, of the points that `wanted` means.
 void usePoints(const VdbBytes& file, ParsedVdb& content, const std::set<GridRequest>& wanted) {
     PointSet points;
+    const bool lists = wantsLists(wanted);
     if (!content.layout.points.empty()) {
         PointCloud cloud = readPointFile(file);
         addAttributes(content, cloud.name, attributesOf(cloud));
-        points.add(0, std::move(cloud), content.look, content.path, content.notes);
+        points.add(0, std::move(cloud), content.look, content.path, lists, content.notes);
     }
     for (std::size_t i = 0; i < content.grids.size(); ++i) {
         if (!content.grids[i] || !isPointGrid(*content.grids[i])) continue;
         const openvdb::GridBase::Ptr grid = std::move(content.grids[i]);
         addAttributes(content, grid->getName(), attributesOf(*grid));
-        points.add(i, pointsIn(content, *grid, wanted), content.look, content.path, content.notes);
+        points.add(i, pointsIn(content, *grid, wanted), content.look, content.path, lists, content.notes);
     }
     if (points.empty()) return;
     if (content.memory != nullptr) {
@@ -441,6 +442,11 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
         reportCleaning(found->second, path, messages);
         return found->second;
     }
+    if (isList(request.part)) {
+        SparseField none;
+        none.name = request.grid;
+        return none;
+    }
     const auto choice = chooseGrid(offers, request);
     const auto refuse = [&](const std::string& reason) {
         throw GridError(shortened(path + ": " + reason, kMessageLimit), request);
@@ -455,7 +461,8 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
     if (offers[choice->grid].isPoints() && (grid || unused)) {
         PointSet points;
         PointSet::Notes own;
-        points.add(choice->grid, grid ? pointsIn(*this, *grid, {request}) : *unused, look, path, own);
+        points.add(choice->grid, grid ? pointsIn(*this, *grid, {request}) : *unused, look, path, isList(request.part),
+                   own);
         for (const auto& [severity, text] : own) notify(messages, severity, text);
         return points.fields(offers, {request}, kept).at(request);
     }

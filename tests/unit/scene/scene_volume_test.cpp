@@ -113,6 +113,9 @@ TEST(SceneVolume, LooksAtPointsAsItSays) {
     ASSERT_NE(edit, nullptr);
     EXPECT_EQ(edit->points, (PointLook{.radius = 0.5, .scale = 2, .voxel = 0.1, .discs = true}));
     EXPECT_FALSE(edit->editsGrids());
+    EXPECT_EQ(volume("file = 'a.vdb'\npoints = { sharp = false }\n").edit->points, (PointLook{.sharp = false}));
+    EXPECT_EQ(volumeError("points = { sharp = 'auto' }\n"),
+              "scene.toml:6:20: 'sharp' is the string \"auto\"; expected true or false");
     EXPECT_EQ(
         volumeError("points = { voxel = 0 }\n"),
         "scene.toml:6:20: 'voxel' is 0; expected a number greater than 0 and of at most 1e+12 world units of the file");

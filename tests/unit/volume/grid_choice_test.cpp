@@ -24,8 +24,11 @@ std::string chosen(const std::vector<GridOffer>& offers, const GridRequest& requ
 }
 
 TEST(GridRequest, ComesBackFromItsText) {
-    for (const GridRequest& request : {GridRequest{"density"}, GridRequest{""}, GridRequest{"Cd", 0},
-                                       GridRequest{"a:b[1]", 2}, GridRequest{"0:Cd"}}) {
+    for (const GridRequest& request :
+         {GridRequest{"density"}, GridRequest{""}, GridRequest{"Cd", 0}, GridRequest{"a:b[1]", 2}, GridRequest{"0:Cd"},
+          GridRequest{"v", 0, GridPart::positive}, GridRequest{"*-0:v", 2, GridPart::places},
+          GridRequest{"heat", GridRequest::kScalar, GridPart::ofPoints},
+          GridRequest{"v", 1, GridPart::positiveOfPoints}, GridRequest{"v", 1, GridPart::negativeOfPoints}}) {
         EXPECT_EQ(gridRequestFrom(toText(request)), request) << toText(request);
     }
     EXPECT_EQ(toText(GridRequest{"density"}), "scalar:density");

@@ -12,11 +12,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numbers>
 #include <string>
 #include <vector>
+
+#include <glm/geometric.hpp>
 
 namespace scrim {
 namespace {
@@ -108,6 +111,43 @@ TEST_F(Points, AreTheSameOfAllFilesReadHereOrInAChild) {
             ASSERT_EQ(fields.size(), expected.size());
             for (std::size_t i = 0; i < fields.size(); ++i)
                 expectSame(fields[i], expected[i], name + (" " + toText(requests[i])));
+        }
+}
+
+// Seen by themselves: each number of each point, and none of what is no attribute of theirs.
+TEST_F(Points, AreListedPointByPoint) {
+    makePointsVdb(file("a.vdb"), kSpray);
+    test::writeBytes(file("a.ply"), plyOf(kSpray, "ascii"));
+    GridEdit edit;
+    edit.points.sharp = true;
+    for (const char* name : {"a.vdb", "a.ply"})
+        for (const LoadOptions& way : test::kWays) {
+            const std::string points = std::string(name) == "a.vdb" ? "spray" : "points";
+            std::vector<GridRequest> requests{{points}, {points, GridRequest::kScalar, GridPart::places}};
+            for (int c = 0; c < 3; ++c) requests.push_back({points, c, GridPart::places});
+            for (int c = 0; c < 3; ++c) requests.push_back({"Cd", c, GridPart::ofPoints});
+            requests.push_back({"v", 2, GridPart::negativeOfPoints});
+            requests.push_back({points, GridRequest::kScalar, GridPart::ofPoints});
+            requests.push_back({"heat", GridRequest::kScalar, GridPart::ofPoints});
+            const std::vector<SparseField> fields = loadFields(file(name), requests, way, {}, {}, &edit);
+            const auto at = [&](std::size_t list, std::size_t i) { return double(fields[list].block(0)[i]); };
+            std::size_t found = 0;
+            for (std::size_t i = 0; i < 4; ++i)
+                for (const test::MadePoint& made : kSpray) {
+                    const Vec3 place = transformPoint(fields[2].wsFromIs, Vec3(at(2, i), at(3, i), at(4, i)));
+                    if (at(1, i) == 0 || glm::distance(place, made.at) > 1e-5) continue;
+                    ++found;
+                    EXPECT_NEAR(at(1, i), made.radius, 1e-6) << name;
+                    for (std::size_t c = 0; c < 3; ++c)
+                        EXPECT_NEAR(at(5 + c, i), made.colour[int(c)], 1e-3) << name << " " << c;
+                    EXPECT_NEAR(at(8, i), std::max(-made.velocity.z, 0.0), 1e-6) << name;
+                    EXPECT_NEAR(at(9, i), 1, 1e-5) << name;
+                }
+            EXPECT_EQ(found, kSpray.size()) << name;
+            EXPECT_TRUE(fields[10].empty()) << name;
+            edit.points.sharp = false;
+            EXPECT_TRUE(loadFields(file(name), requests, way, {}, {}, &edit)[1].empty()) << name;
+            edit.points.sharp = true;
         }
 }
 

@@ -152,6 +152,30 @@ TEST(PointRaster, LeavesUnsoundPointsOutWithAWord) {
               "above 0");
 }
 
+TEST(PointRaster, PointsAreSeenByThemselvesWhereTheyAreFarApart) {
+    std::vector<Vec3> places;
+    for (int i = 0; i < 1000; ++i)
+        places.push_back(
+            10.0 * Vec3(std::fmod(0.8191725 * i, 1.0), std::fmod(0.6710436 * i, 1.0), std::fmod(0.5497005 * i, 1.0)));
+    const auto rasterOf = [&](float radius, const PointLook& look, bool listed = true) {
+        return PointRaster(cloudOf(places, std::vector<float>(places.size(), radius)), look, "a.vdb", {}, listed);
+    };
+    // At 0.5 they fill half of their box, at 0.01 a 250,000th.
+    EXPECT_FALSE(rasterOf(0.5f, {}).sharp());
+    EXPECT_TRUE(rasterOf(0.01f, {}).sharp());
+    EXPECT_FALSE(rasterOf(0.01f, {}, false).sharp()) << "nobody asks for lists";
+    EXPECT_FALSE(rasterOf(0.01f, {.sharp = false}).sharp());
+    EXPECT_TRUE(rasterOf(0.5f, {.sharp = true}).sharp());
+    // Of stated voxels the diameter decides.
+    EXPECT_FALSE(rasterOf(0.01f, {.voxel = 0.015}).sharp());
+    EXPECT_TRUE(rasterOf(0.01f, {.voxel = 0.025}).sharp());
+    // Voxels for light alone: at most 512 along the box.
+    const double voxel = rasterOf(0.01f, {}).wsFromIs()[0][0];
+    EXPECT_GE(voxel * 512, 9.9);
+    EXPECT_LE(voxel, 0.02 * 1.001);
+    EXPECT_DOUBLE_EQ(rasterOf(0.01f, {.sharp = false}).wsFromIs()[0][0], double(0.01f) / 2);
+}
+
 TEST(PointRaster, ChoosesVoxelsByRadiiAndRefusesTooSmallOnes) {
     EXPECT_DOUBLE_EQ(PointRaster(cloudOf({{0, 0, 0}}, {0.5f}), {}, "a.vdb", {}).wsFromIs()[0][0], 0.25);
     EXPECT_DOUBLE_EQ(PointRaster(cloudOf({{0, 0, 0}}, {0.5f}), {.radius = 2, .scale = 3}, "a.vdb", {}).wsFromIs()[0][0],

@@ -42,6 +42,12 @@ struct Compositor::Range {
     int firstPlane, lastPlane;  // [firstPlane, lastPlane)
 };
 
+// What is seen of a sheet of the block: the fraction (null: all), and the middle of that.
+struct Compositor::Cut {
+    int step;
+    const Real *part, *at;
+};
+
 // Tiles of the picture that may see something of a range.
 struct Compositor::SeeingTiles {
     Box2<int> box;
@@ -138,7 +144,8 @@ Compositor::TileWalk Compositor::enter(int tile, const Range& range, const Plane
         const int step = p + walk.firstStep;
         auto texels = Box2<double>::nothing();
         for (const EyeView::Ray& ray : corners) texels.include(ray.u + step * ray.slopeU, ray.v + step * ray.slopeV);
-        if (anyActiveNear(planes, p, texels) || (shader != nullptr && shader->anyCoarser(texels)))
+        if (anyActiveNear(planes, p, texels) || (shader != nullptr && shader->anyCoarser(texels)) ||
+            hasBalls(tile, walk.block + step))
             walk.planes[walk.planeCount++] = p;
     }
     if (walk.planeCount > 0) setRays(tile, walk);
@@ -217,9 +224,12 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
             case Seen::none:
                 break;
             case Seen::all:
-                planes[listed] = shaded.plane(p);
-                steps[listed++] = static_cast<Real>(step);
-                break;
+                if (!hasBalls(tile, walk.block + step)) {
+                    planes[listed] = shaded.plane(p);
+                    steps[listed++] = static_cast<Real>(step);
+                    break;
+                }
+                [[fallthrough]];
             case Seen::part: {
                 flush();
                 alignas(64) Real part[kTileSize], at[kTileSize];
@@ -227,10 +237,7 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
                 walk.cutSlab(m_frontToBack, step, part, at);
                 samplePlane(walk.rays, at, {shaded.plane(p), shaded.width(), shaded.height(), layout}, samples,
                             m_eye.simd());
-                holdOut(tile, walk, part, at, samples);
-                const SheetSamples cut{samples, part, at, layout, m_eye.simd(), closed};
-                if (m_deep) m_deep->add(tile, m_level, walk.block + step, cut, static_cast<Real>(step));
-                compositeSamples(walk.rays, cut, m_frontToBack, states, first);
+                addCut(tile, walk, {step, part, at}, samples);
                 walked += kTileSize;
             }
         }
@@ -261,12 +268,10 @@ template <class Shade>
 RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade) {
     Real* states = m_tiles.states(tile);
     const OutputLayout& layout = m_tiles.layout();
-    PixelTiles::FirstDepth* const first = firstDepth(tile);
     RenderWork work;
     SampleTile points;
     alignas(64) Real part[kTileSize], at[kTileSize];
     Real* samples = sampleScratch(layout);
-    const std::uint8_t* const closed = closedIn(tile, walk);
     bool onward = false;  // the sheet before was crossed in its middle plane, too
     for (int i = 0; i < walk.planeCount; ++i) {
         const int p = walk.planes[i];
@@ -298,13 +303,48 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const SheetSha
         const bool shows =
             shade(p, points, m_frontToBack ? open : nullptr, onward && seen == Seen::all, samples, work.shade);
         onward = seen == Seen::all;
-        if (!shows) continue;
-        const SheetSamples shaded{samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd(), closed};
-        if (shaded.part) holdOut(tile, walk, part, at, samples);
-        if (m_deep) m_deep->add(tile, m_level, walk.block + step, shaded, static_cast<Real>(step));
-        compositeSamples(walk.rays, shaded, m_frontToBack, states, first);
+        if (!shows) {
+            if (!hasBalls(tile, walk.block + step)) continue;
+            std::fill_n(samples, layout.floats() * kTileSize, Real(0));
+        }
+        addCut(tile, walk, {step, seen == Seen::part ? part : nullptr, at}, samples);
     }
     return work;
+}
+
+// Composites the samples of a sheet, with its balls.
+void Compositor::addCut(int tile, const TileWalk& walk, const Cut& cut, Real* samples) {
+    const OutputLayout& layout = m_tiles.layout();
+    const Real* part = cut.part;
+    if (part) holdOut(tile, walk, part, cut.at, samples);
+    if (hasBalls(tile, walk.block + cut.step)) {
+        const int floats = layout.floats();
+        std::array<Real, 4 * 256> kept;
+        for (int k = 0; part && k < kTileSize; ++k) {
+            if (part[k] >= 1) continue;
+            keepSeenPart(layout, part[k], samples + floats * k, kept.data());
+            std::copy_n(kept.data(), floats, samples + floats * k);
+        }
+        part = nullptr;
+        addBalls(tile, walk, cut.step, samples);
+    }
+    const SheetSamples shaded{samples, part, cut.at, layout, m_eye.simd(), closedIn(tile, walk)};
+    if (m_deep) m_deep->add(tile, m_level, walk.block + cut.step, shaded, static_cast<Real>(cut.step));
+    compositeSamples(walk.rays, shaded, m_frontToBack, m_tiles.states(tile), firstDepth(tile));
+}
+
+// A ball is seen as far as its centre is.
+void Compositor::addBalls(int tile, const TileWalk& walk, int step, Real* samples) const {
+    BallSheets::Limits limits{walk.block, walk.rays.startN, walk.ended ? walk.ends : nullptr, {}};
+    if (walk.thinFrom != nullptr)
+        limits.seen = [&](int k, Real n) {
+            const double x = m_tiles.cornerX(tile) + k % kTileEdge + 0.5,
+                         y = m_tiles.cornerY(tile) + k / kTileEdge + 0.5;
+            const EyeView::Ray ray = m_eye.ray(x, y, 0);
+            const double depth = ray.depth + (walk.block + 0.5 + double(n)) * ray.stepDepth;
+            return depth <= walk.thinFrom[k] ? Real(1) : static_cast<Real>(m_ends->seenShare(x, y, depth, depth, 0));
+        };
+    m_balls->addTo(walk.block + step, tile, limits, samples);
 }
 
 RenderWork Compositor::shadePoints(const TileWalk& walk, int tile, const SheetShader& shader) {
@@ -349,7 +389,22 @@ Compositor::SeeingTiles Compositor::tilesThatSee(const Range& range, const Plane
     SeeingTiles seeing{seen.empty() ? Box2<int>{} : m_tiles.tilesIn(seen)};
     constexpr int kFewer = 8;  // finding who sees an active tile takes as long as entering a few that see none
     if (std::int64_t(active) * kFewer < std::int64_t(seeing.box.pixelCount())) markSeeing(range, planes, seeing);
-    return seeing;
+    const bool balls =
+        m_balls != nullptr && m_balls->anyIn(range.sheet, range.sheet + range.lastPlane - range.firstPlane);
+    return balls ? withBalls(range, seeing) : seeing;
+}
+
+// These tiles, and those that see balls.
+Compositor::SeeingTiles Compositor::withBalls(const Range& range, const SeeingTiles& seeing) const {
+    SeeingTiles out{m_tiles.all()};
+    out.marked.assign(std::size_t(m_tiles.count()), 0);
+    for (int tile = 0; tile < m_tiles.count(); ++tile) {
+        bool sees = seeing.contains(tile % m_tiles.tilesX(), tile / m_tiles.tilesX());
+        for (int p = range.firstPlane; !sees && p < range.lastPlane; ++p)
+            sees = m_balls->touches(range.sheet + p - range.firstPlane, tile);
+        out.marked[std::size_t(tile)] = sees ? 1 : 0;
+    }
+    return out;
 }
 
 // Looks from each active tile.

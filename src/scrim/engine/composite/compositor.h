@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/real.h>
+#include <scrim/engine/balls/ball_sheets.h>
 #include <scrim/engine/composite/composite_tile.h>
 #include <scrim/engine/composite/deep_rays.h>
 #include <scrim/engine/composite/pixel_tiles.h>
@@ -28,17 +29,18 @@ struct WalkingTiles {
 class Compositor {
   public:
     /// `ends`: objects that hide parts of rays; null: none. `deep`: also records the samples of every ray; may be null.
-    /// `level`: that of the sheets; its number is below kMostLevels.
+    /// `level`: that of the sheets; its number is below kMostLevels. `balls`: those of the batch; null: there are none.
     static constexpr int kMostLevels = 32;
     Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff, const EyeEnds* ends = nullptr,
-               DeepRays* deep = nullptr, const DeepRays::Level& level = {})
+               DeepRays* deep = nullptr, const DeepRays::Level& level = {}, const BallSheets* balls = nullptr)
         : m_eye(eye),
           m_tiles(tiles),
           m_frontToBack(frontToBack),
           m_cutoff(cutoff),
           m_ends(ends),
           m_deep(deep),
-          m_level(level) {}
+          m_level(level),
+          m_balls(balls) {}
 
     /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p. This and the next function
     /// return the pixel and sheet pairs, and the work of shading on the way.
@@ -63,9 +65,13 @@ class Compositor {
     struct TileWalk;
     struct Range;
     struct SeeingTiles;
+    struct Cut;
+    void addCut(int tile, const TileWalk& walk, const Cut& cut, Real* samples);
     void holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const;
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes, const SheetShader* shader = nullptr) const;
     RenderWork compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
+    bool hasBalls(int tile, int sheet) const { return m_balls != nullptr && m_balls->touches(sheet, tile); }
+    void addBalls(int tile, const TileWalk& walk, int step, Real* samples) const;
     void keepDeep(int tile, const TileWalk& walk, const SheetList& sheets);
     const std::uint8_t* closedIn(int tile, const TileWalk& walk);
     template <class Shade>
@@ -76,6 +82,7 @@ class Compositor {
     RenderWork forOpenTiles(int firstSheet, int count, const TilesOf& tilesOf, const Walk& walk);
     SeeingTiles all() const;
     SeeingTiles tilesThatSee(const Range& range, const PlaneStack& planes) const;
+    SeeingTiles withBalls(const Range& range, const SeeingTiles& seeing) const;
     void markSeeing(const Range& range, const PlaneStack& planes, SeeingTiles& seeing) const;
     void setRays(int tile, TileWalk& walk) const;
     void markIfOpaque(int tile, int blockEnd);
@@ -88,6 +95,7 @@ class Compositor {
     const EyeEnds* m_ends;
     DeepRays* m_deep;
     DeepRays::Level m_level;
+    const BallSheets* m_balls;
 };
 
 }  // namespace scrim

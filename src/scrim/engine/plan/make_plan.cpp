@@ -2,6 +2,7 @@
 #include <scrim/engine/plan/make_plan.h>
 
 #include <scrim/base/error.h>
+#include <scrim/engine/balls/ball_sheets.h>
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/composite/deep_rays.h>
 #include <scrim/engine/light/backdrop.h>
@@ -37,6 +38,7 @@ std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan
     const Sheets& s = group.sheets;
     std::size_t bytes =
         ExtinctionSum::bytes(scene, plan, s, group.lattice, batch, ExtinctionSum::eyeOf(group), group.volumes);
+    bytes += BallSheets::bytes(scene, plan, group.outputs.layout);
     if (!plan.shadeAtPixels) bytes += PlaneStack::bytes(batch, s.width, s.height, group.outputs.layout.floats());
     for (const PlannedLight& light : group.lights) {
         if (!light.shadowed) continue;

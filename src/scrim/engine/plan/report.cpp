@@ -2,6 +2,7 @@
 #include <scrim/engine/plan/report.h>
 
 #include <scrim/base/error.h>
+#include <scrim/engine/balls/ball_sheets.h>
 #include <scrim/engine/plan/effects.h>
 #include <scrim/engine/plan/expected_cost.h>
 #include <scrim/image/light_profile.h>
@@ -109,6 +110,13 @@ std::string lightLine(const ViewScene& scene, const Plan& plan, const PlannedLig
     return line;
 }
 
+// The number of points that are seen as balls.
+std::uint64_t ballsOf(const ViewScene& scene) {
+    std::uint64_t sum = 0;
+    for (const ViewVolume& volume : scene.volumes) sum += volume.balls ? volume.balls->radius->activeVoxels : 0;
+    return sum;
+}
+
 std::string placesText(const std::vector<std::string>& where) {
     constexpr std::size_t kMostNamed = 12;
     if (where.empty()) return "";
@@ -170,6 +178,7 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
                {"light_samples", times * double(plan.work.lightSamples)},
                {"pixel_sheets", times * double(plan.work.pixelSheets)}}}};
     if (scene.deep) out["deep_bytes"] = plan.deepBytes;
+    if (seesBalls(scene, plan)) out["balls"] = ballsOf(scene);
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -179,6 +188,9 @@ std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     for (const Effect& e : effectsOf(scene, plan))
         text += fmt::format("{:<23} {:<4} {}{}\n", e.name, e.on ? "on" : "off", e.reason, placesText(e.where));
     text += fmt::format("{:<23} {:.6g} world units\n", "voxel", plan.voxel);
+    if (seesBalls(scene, plan))
+        text +=
+            fmt::format("{:<23} {} are seen by themselves, each a ball or disc of its own\n", "points", ballsOf(scene));
     text += fmt::format("{:<23} {} x {} rays\n", "picture", plan.region.width(), plan.region.height());
     for (std::size_t i = 0; i < plan.groups.size(); ++i) text += groupLines(scene, plan, plan.groups[i], i + 1);
     if (plan.groups.empty()) text += "nothing to render: no volume has active voxels\n";

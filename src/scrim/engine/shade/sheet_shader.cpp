@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/shade/sheet_shader.h>
 
+#include <scrim/engine/shade/sheet_rows.h>
 #include <scrim/engine/splat/surface.h>
 #include <scrim/engine/splat/plane_stack.h>
 
@@ -12,9 +13,7 @@
 namespace scrim {
 namespace {
 
-struct alignas(64) Row {
-    Real values[kTileSize];
-};
+using Row = SheetShader::GivenRows::Row;
 
 const std::vector<bool>* litOrAll(const Plan& plan, int sceneVolume) {
     const std::vector<bool>& lit = plan.subLights.lit[std::size_t(sceneVolume)];
@@ -28,29 +27,6 @@ void copyTile(const PlaneStack& planes, int p, int tx, int ty, Real* to) {
 }
 
 }  // namespace
-
-// The data of a tile's samples. It is memory of the thread that only grows, so that shading a tile allocates nothing.
-struct SheetShader::Rows {
-    std::vector<Row> total;      // sums over all volumes, by extinction channel
-    std::vector<Row> seen;       // sums over the visible volumes, by extinction channel; only if some are not visible
-    std::vector<Row> medium;     // the extinction of each medium
-    std::vector<Row> scatter;    // the scattering of each medium, three colours each
-    std::vector<Row> flow;       // the velocity in each medium, three axes each; only for the layer `motion`
-    std::vector<Row> motion;     // to the right and up; only for that layer
-    std::vector<Row> emission;   // of each source
-    std::vector<Row> tauIn;      // by light, and then by extinction channel
-    std::vector<Row> tauOut;     // by light; only if surfaces are alone (see surfacesAlone)
-    std::vector<Row> unblocked;  // by light; only if solids cast shadows
-    std::vector<Row> onCells;    // of each part of the light on cells, three colours each
-    std::vector<Row> more;       // what the first halves of surfaces' segments have beyond the mean extinction
-    std::vector<Row> coarser;    // positions on the sheet of a coarser level: u and v
-    std::vector<Row> outputs;    // three colours for each output beside the beauty
-    std::vector<ClassifiedTile> classified;
-    std::vector<SheetMedium> media;
-    std::vector<SheetSurface> surfaces;
-    std::vector<SheetEmission> emissions, opacities;
-    std::vector<SheetScattered> scattered;
-};
 
 SheetShader::Rows& SheetShader::rowsFor(std::size_t lights) const {
     thread_local Rows rows;
@@ -86,15 +62,24 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const LevelSh
       m_lights(level.lights),
       m_eye(eye),
       m_others(std::move(others)) {
+    enterLevels(scene);
+    for (int i = 0; i < levels(); ++i) addVolumes(scene, plan, i);
+    finishVolumes(scene, cellLight);
+}
+
+// What does not depend on volumes.
+void SheetShader::enterLevels(const ViewScene& scene) {
     for (const LevelSheets* other : m_others.coarser) m_toCoarser.emplace_back(m_group.sheets, other->group.sheets);
     for (const LevelSheets* other : m_others.finer) m_toFiner.emplace_back(m_group.sheets, other->group.sheets);
     for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<Real>(m_group.primary * scene.ambient[c]);
     m_emitting = static_cast<Real>(m_group.primary);
-    m_unlit.resize(plan.subLights.lights.size());
-    for (int i = 0; i < levels(); ++i) addVolumes(scene, plan, i);
+    m_unlit.resize(m_plan.subLights.lights.size());
+}
+
+void SheetShader::finishVolumes(const ViewScene& scene, const std::vector<CellLight>& cellLight) {
     m_opacities = !m_group.outputs.opacities.empty();
     if (m_group.outputs.layout.motion) m_motion.emplace(scene, m_group.sheets);
-    m_alone = m_media.size() == 1 && m_surfaces.empty() && plan.extinction.count() == 1 && levels() == 1;
+    m_alone = m_media.size() == 1 && m_surfaces.empty() && m_plan.extinction.count() == 1 && levels() == 1;
     if (m_group.primary > 0) chooseScattered(cellLight);
 }
 
@@ -104,7 +89,8 @@ void SheetShader::addVolumes(const ViewScene& scene, const Plan& plan, int level
         m_emissions.emplace_back(level, &emission);
     for (const ExtinctionSum::Volume& own : extinctionOf(level).volumes()) {
         const ViewVolume& volume = scene.volumes[own.sceneVolume];
-        const Seen seen{level, &own, volume.holdout};
+        if (volume.balls && !plan.perView) continue;
+        const Seen seen{level, &own, volume.holdout, own.scatter[0] != nullptr};
         m_holdouts = m_holdouts || volume.holdout;
         if (volume.classified) {
             SheetSurface& look = m_surfaces.emplace_back(surfaceOf(*volume.classified));
@@ -114,23 +100,25 @@ void SheetShader::addVolumes(const ViewScene& scene, const Plan& plan, int level
             look.output = outputOf(look.sceneVolume);
             continue;
         }
-        const bool grid = own.scatter[0] != nullptr;
-        // A held-out volume scatters nothing.
-        const Rgb reflects = volume.holdout ? Rgb(0) : grid ? Rgb(1) : volume.medium.albedo;
-        const Rgb albedo = reflects * volume.medium.relativeTint();
-        SheetMedium look{{},
-                         {},
-                         volume.medium.phase,
-                         volume.medium.octaves,
-                         volume.holdout ? &m_unlit : litOrAll(plan, own.sceneVolume)};
-        for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<Real>(albedo[c]);
-        look.ambient = !scattersFully(volume);
-        look.output = outputOf(own.sceneVolume);
-        look.caps = plan.caps[std::size_t(own.sceneVolume)].get();
-        m_media.push_back(look);
-        m_tints.push_back(volume.medium.relativeTint());
-        m_mediumVolumes.push_back(seen);
+        addMedium(scene, plan, seen);
     }
+}
+
+void SheetShader::addMedium(const ViewScene& scene, const Plan& plan, const Seen& seen) {
+    const int sceneVolume = seen.volume->sceneVolume;
+    const ViewVolume& volume = scene.volumes[std::size_t(sceneVolume)];
+    // A held-out volume scatters nothing.
+    const Rgb reflects = volume.holdout ? Rgb(0) : seen.grid ? Rgb(1) : volume.medium.albedo;
+    const Rgb albedo = reflects * volume.medium.relativeTint();
+    SheetMedium look{
+        {}, {}, volume.medium.phase, volume.medium.octaves, volume.holdout ? &m_unlit : litOrAll(plan, sceneVolume)};
+    for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<Real>(albedo[c]);
+    look.ambient = !scattersFully(volume);
+    look.output = outputOf(sceneVolume);
+    look.caps = plan.caps[std::size_t(sceneVolume)].get();
+    m_media.push_back(look);
+    m_tints.push_back(volume.medium.relativeTint());
+    m_mediumVolumes.push_back(seen);
 }
 
 // Light on cells belongs to no sweep's lights; the sweeps that own alpha show it.
@@ -217,17 +205,17 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
     for (int level = 0; level < levels() && m_surfaces.empty(); ++level)
         for (int i = 0; i < m_plan.extinction.count(); ++i) {
             if (level == 0) {
-                read(level, m_extinction.total(i), rows.total[i].values);
+                read(level, m_extinction.seen(i), rows.total[i].values);
                 continue;
             }
             Row own;
-            read(level, extinctionOf(level).total(i), own.values);
+            read(level, extinctionOf(level).seen(i), own.values);
             addTimes(1, own.values, rows.total[i].values);
         }
     for (std::size_t i = 0; i < m_media.size(); ++i) {
         const Seen& seen = m_mediumVolumes[i];
         const ExtinctionSum::Volume& volume = *seen.volume;
-        const bool grid = volume.scatter[0] != nullptr;
+        const bool grid = seen.grid;
         if (grid)
             for (int c = 0; c < 3; ++c) read(seen.level, *volume.scatter[c], rows.scatter[3 * i + c].values);
         const bool looked = m_media.size() > 1 && !m_scatteredParts.empty();
@@ -446,7 +434,7 @@ void SheetShader::addFinerShadows(int p, const SampleTile& samples, Rows& rows) 
 
 bool SheetShader::anyCoarser(const Box2<double>& texels) const {
     for (std::size_t level = 0; level < m_others.coarser.size(); ++level) {
-        const PlaneStack& covered = m_others.coarser[level]->extinction.covered();
+        const PlaneStack& covered = m_others.coarser[level]->extinction.seen(0);
         const Box2<double> box = m_toCoarser[level].box(texels);
         if (anyActiveNear(covered, 0, box)) return true;
     }
@@ -492,8 +480,7 @@ void SheetShader::classify(int p, const SampleTile& at, const std::uint8_t* open
 // Adds the samples that reflect light. Where all extinction has been rounded to 0, there may be scattering.
 void SheetShader::addLit(const Rows& rows, SampleRows& lit) const {
     for (std::size_t i = 0; i < m_media.size(); ++i)
-        for (std::size_t c = 0; c < 3 && m_mediumVolumes[i].volume->scatter[c] != nullptr; ++c)
-            lit.include(rows.scatter[3 * i + c].values);
+        for (std::size_t c = 0; c < 3 && m_mediumVolumes[i].grid; ++c) lit.include(rows.scatter[3 * i + c].values);
 }
 
 bool SheetShader::glows(const Rows& rows) const {
@@ -504,7 +491,7 @@ bool SheetShader::glows(const Rows& rows) const {
 
 // Surfaces that share sheets with media, or have sheets of their own for each view, are lit like media.
 bool SheetShader::surfacesAlone() const {
-    return !m_extinction.surfacesAlone().empty() && m_group.lattice.shared();
+    return !m_ofBalls && !m_extinction.surfacesAlone().empty() && m_group.lattice.shared();
 }
 
 // The fraction of each light that passes the solids to the samples.
@@ -546,7 +533,7 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     rows.media = m_media;
     for (std::size_t i = 0; i < m_media.size(); ++i) {
-        const bool grid = m_mediumVolumes[i].volume->scatter[0] != nullptr;
+        const bool grid = m_mediumVolumes[i].grid;
         for (int c = 0; c < 3; ++c)
             rows.media[i].scatter[c] = grid      ? rows.scatter[3 * i + c].values
                                        : m_alone ? rows.total[0].values

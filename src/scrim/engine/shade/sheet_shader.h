@@ -25,6 +25,26 @@ class SheetShader {
     /// Shades what is in the sheets of `level`, with what coarser levels have there, in the light that passes all.
     SheetShader(const ViewScene& scene, const Plan& plan, const LevelSheets& level, const EyeView& eye,
                 const std::vector<CellLight>& cellLight, OtherLevels others = {});
+    /// Shades the balls of a volume (ViewVolume::balls), whose rows are given.
+    SheetShader(const ViewScene& scene, const Plan& plan, const LevelSheets& level, const EyeView& eye,
+                const std::vector<CellLight>& cellLight, OtherLevels others, std::size_t ofBalls);
+
+    /// What is at 256 samples that lie at places of their own in a sheet.
+    struct GivenRows {
+        struct alignas(64) Row {
+            Real values[kTileSize];
+        };
+        alignas(64) Real extinction[kTileSize];
+        Real behind[kTileSize];     ///< how far behind the sheet's first face they are, sheets
+        std::vector<Row> scatter;   ///< three where the albedo is a grid, else none
+        std::vector<Row> emission;  ///< one for each of ViewBalls::emission
+        void resize(std::size_t scatters, std::size_t emissions) {
+            scatter.resize(scatters);
+            emission.resize(emissions);
+        }
+    };
+    /// Shades balls. The light that arrives at each has passed what is in the sheet before it.
+    void shadeGiven(int p, const SampleTile& samples, const GivenRows& given, Real* out, ShadeWork& work) const;
 
     /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the layout of the group's outputs.
     ShadeWork shadeTexels(int p, int sheet, int tx, int ty, Real* out) const;
@@ -50,12 +70,17 @@ class SheetShader {
         int level;  ///< 0: this one; otherwise one more than the index into OtherLevels::coarser
         const ExtinctionSum::Volume* volume;
         bool held;  ///< it is held out
+        bool grid;  ///< its albedo is a grid
     };
     const ExtinctionSum& extinctionOf(int level) const {
         return level == 0 ? m_extinction : m_others.coarser[std::size_t(level - 1)]->extinction;
     }
     int levels() const { return static_cast<int>(m_others.coarser.size()) + 1; }
     void addVolumes(const ViewScene& scene, const Plan& plan, int level);
+    void enterLevels(const ViewScene& scene);
+    void addMedium(const ViewScene& scene, const Plan& plan, const Seen& seen);
+    void finishVolumes(const ViewScene& scene, const std::vector<CellLight>& cellLight);
+    void addWithinSheet(int p, const SampleTile& samples, const GivenRows& given, Rows& rows) const;
     Rows& rowsFor(std::size_t lights) const;
     std::optional<int> outputOf(int sceneVolume) const;
     template <class Read>
@@ -96,6 +121,9 @@ class SheetShader {
     std::vector<SheetSurface> m_surfaces;
     std::vector<Seen> m_mediumVolumes, m_surfaceVolumes;
     std::vector<std::pair<int, const ExtinctionSum::Emission*>> m_emissions;  // with their levels
+    bool m_ofBalls = false;
+    ExtinctionSum::Volume m_ballVolume;  // only of balls
+    std::vector<ExtinctionSum::Emission> m_ballEmissions;
     // The light on cells that the group shows, and where it is looked up.
     std::vector<SheetScattered> m_scatteredParts;
     std::vector<std::shared_ptr<const VolumeLight>> m_scatteredFields;

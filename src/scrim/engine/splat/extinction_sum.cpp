@@ -36,8 +36,18 @@ std::vector<std::vector<ViewField>> ofOneTopology(const std::vector<ViewField>& 
 // A volume's sources of emission whose fields are not empty.
 std::vector<ViewEmission> emissionOf(const ViewVolume& volume) {
     std::vector<ViewEmission> emission = volume.emission;
-    std::erase_if(emission, [](const ViewEmission& e) { return e.field.field->empty(); });
+    std::erase_if(emission, [](const ViewEmission& e) { return e.ofBalls || e.field.field->empty(); });
     return emission;
+}
+
+// True for a volume that the eye sees as balls, so that its sheets are for lights alone.
+bool isBalls(const Plan& plan, const ViewVolume& volume) {
+    return volume.balls && !plan.perView;
+}
+
+bool anyBalls(const ViewScene& scene, const Plan& plan, ExtinctionSum::For who) {
+    return who != ExtinctionSum::For::light &&
+           std::ranges::any_of(scene.volumes, [&](const ViewVolume& volume) { return isBalls(plan, volume); });
 }
 
 // True for a volume that is among those which share the sheets; empty: all do.
@@ -53,7 +63,7 @@ bool lookAlike(const ViewScene& scene, const Plan& plan, std::size_t first, std:
     const ViewVolume &a = scene.volumes[first], &b = scene.volumes[second];
     return !a.classified && !b.classified && a.scatter.empty() && b.scatter.empty() && a.medium == b.medium &&
            plan.subLights.lit[first] == plan.subLights.lit[second] && a.shadows == b.shadows &&
-           a.holdout == b.holdout && !a.motion && !b.motion && plan.onSameCells(first, second);
+           a.holdout == b.holdout && !a.motion && !b.motion && !a.balls && !b.balls && plan.onSameCells(first, second);
 }
 
 std::vector<Alike> alikeVolumes(const ViewScene& scene, const Plan& plan, const std::vector<bool>& among) {
@@ -135,14 +145,15 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
             own.density = &add(placements, volume.medium.mostExtinction())->planes();
         } else {
             std::vector<ViewField> fields{densityOf(volume)};
-            if (who != For::light) fields.insert(fields.end(), volume.scatter.begin(), volume.scatter.end());
+            const bool seen = who != For::light && !isBalls(plan, volume);
+            if (seen) fields.insert(fields.end(), volume.scatter.begin(), volume.scatter.end());
             const auto& flow = flowOf(scene, volume);
-            if (who == For::primaryEye) fields.insert(fields.end(), flow.begin(), flow.end());
+            const bool flows = seen && who == For::primaryEye;
+            if (flows) fields.insert(fields.end(), flow.begin(), flow.end());
             const auto planes = planesOf(fields, volume.medium.mostExtinction());
             own.density = planes[0];
-            std::copy_n(planes.begin() + 1, volume.scatter.size() * (who != For::light), own.scatter.begin());
-            if (who == For::primaryEye)
-                std::copy(planes.end() - std::ptrdiff_t(flow.size()), planes.end(), own.flow.begin());
+            std::copy_n(planes.begin() + 1, volume.scatter.size() * seen, own.scatter.begin());
+            if (flows) std::copy(planes.end() - std::ptrdiff_t(flow.size()), planes.end(), own.flow.begin());
         }
     }
     const auto grey = [&](const Volume& v) { return m_channels.weights[v.sceneVolume].front() == 1; };
@@ -158,8 +169,18 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
         for (std::size_t e = 0; e < emission.size(); ++e)
             m_emissions.push_back({planes[e], emission[e].color, static_cast<int>(v)});
     }
-    if (!needsTotals(scene, plan, who, among)) return;
-    for (int i = 0; i < m_channels.count(); ++i) m_totals.emplace_back(batchSheets, lattice.width, lattice.height, 1);
+    addSums(scene, plan, lattice, batchSheets, who, needsTotals(scene, plan, who, among));
+}
+
+// Makes the planes of sums over volumes.
+void ExtinctionSum::addSums(const ViewScene& scene, const Plan& plan, const Lattice& lattice, int batchSheets, For who,
+                            bool totals) {
+    for (const Volume& volume : m_volumes)
+        m_asBalls.push_back(isBalls(plan, scene.volumes[std::size_t(volume.sceneVolume)]));
+    for (int i = 0; i < m_channels.count() && anyBalls(scene, plan, who); ++i)
+        m_seen.emplace_back(batchSheets, lattice.width, lattice.height, 1);
+    for (int i = 0; i < m_channels.count() && totals; ++i)
+        m_totals.emplace_back(batchSheets, lattice.width, lattice.height, 1);
 }
 
 std::uint64_t ExtinctionSum::splat(int firstSheet, int count, const NeededTiles* needed, const TileCull& cull) {
@@ -190,24 +211,27 @@ std::uint64_t ExtinctionSum::splat(int firstSheet, int count, const NeededTiles*
     parallelFor(std::size_t(count), [&](std::size_t p) {
         for (const Volume& volume : m_volumes)
             if (volume.surface) volume.surface->classifyTexels(static_cast<int>(p), m_texelsWanted);
-        if (!m_totals.empty()) addUp(static_cast<int>(p));
+        if (!m_totals.empty()) addUp(static_cast<int>(p), true, m_totals);
+        if (!m_seen.empty()) addUp(static_cast<int>(p), false, m_seen);
     });
     return footprints;
 }
 
-// Sums the volumes, in their order, into the channels of one sheet. The first channel is active wherever there are any
-// contents.
-void ExtinctionSum::addUp(int p) {
-    for (PlaneStack& total : m_totals) total.begin(p);
-    for (const Volume& volume : m_volumes) {
+// Sums the volumes, in their order, or those that the eye sees, into the channels of one sheet. The first channel is
+// active wherever there are any contents.
+void ExtinctionSum::addUp(int p, bool all, std::vector<PlaneStack>& totals) {
+    for (PlaneStack& total : totals) total.begin(p);
+    for (std::size_t v = 0; v < m_volumes.size(); ++v) {
+        if (!all && m_asBalls[v]) continue;
+        const Volume& volume = m_volumes[v];
         const PlaneStack& own = volume.extinction();
-        addPlane(own, 0, p, m_totals.front());
-        for (std::size_t i = 0; i < m_totals.size(); ++i)
+        addPlane(own, 0, p, totals.front());
+        for (std::size_t i = 0; i < totals.size(); ++i)
             if (const Real weight = m_channels.weights[volume.sceneVolume][i]; weight > 0)
-                addPlane(own, weight, p, m_totals[i]);
+                addPlane(own, weight, p, totals[i]);
     }
-    for (const Emission& emission : m_emissions) addPlane(*emission.planes, 0, p, m_totals.front());
-    for (PlaneStack& total : m_totals) total.finish(p);
+    for (const Emission& emission : m_emissions) addPlane(*emission.planes, 0, p, totals.front());
+    for (PlaneStack& total : totals) total.finish(p);
 }
 
 std::size_t ExtinctionSum::bytes() const {
@@ -216,6 +240,7 @@ std::size_t ExtinctionSum::bytes() const {
     for (const Volume& volume : m_volumes)
         if (volume.surface) sum += volume.surface->bytes() - volume.surface->field().bytes();
     for (const PlaneStack& total : m_totals) sum += total.bytes();
+    for (const PlaneStack& seen : m_seen) sum += seen.bytes();
     return sum;
 }
 
@@ -236,14 +261,15 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];
         if (!isAmong(among, v)) continue;
-        if (who != For::light)
+        if (who != For::light && !isBalls(plan, volume))
             for (const ViewField& scatter : volume.scatter) add(scatter);
         if (who == For::primaryEye)
             for (const ViewField& flow : flowOf(scene, volume)) add(flow);
         if (who == For::primaryEye)
-            for (const ViewEmission& emission : volume.emission) add(emission.field);
+            for (const ViewEmission& emission : emissionOf(volume)) add(emission.field);
     }
-    const std::size_t totals = needsTotals(scene, plan, who, among) ? plan.extinction.count() : 0;
+    std::size_t totals = needsTotals(scene, plan, who, among) ? std::size_t(plan.extinction.count()) : 0;
+    if (anyBalls(scene, plan, who)) totals += std::size_t(plan.extinction.count());
     return sum + totals * PlaneStack::bytes(batch, lattice.width, lattice.height, 1);
 }
 

@@ -36,6 +36,8 @@ class ExtinctionSum {
     }
     /// Planes whose active tiles are all tiles with any contents.
     const PlaneStack& covered() const { return total(0); }
+    /// The same of what the eye sees in the sheets: all but volumes whose points it sees as balls.
+    const PlaneStack& seen(int channel) const { return m_seen.empty() ? total(channel) : m_seen[std::size_t(channel)]; }
 
     /// A volume with extinction, or several that look alike.
     struct Volume {
@@ -70,7 +72,9 @@ class ExtinctionSum {
                              int batchSheets, For who, const std::vector<bool>& among = {});
 
   private:
-    void addUp(int plane);
+    void addSums(const ViewScene& scene, const Plan& plan, const Lattice& lattice, int batchSheets, For who,
+                 bool totals);
+    void addUp(int plane, bool all, std::vector<PlaneStack>& totals);
 
     const ExtinctionChannels& m_channels;
     std::vector<Volume> m_volumes;
@@ -78,6 +82,8 @@ class ExtinctionSum {
     std::vector<Emission> m_emissions;
     std::vector<std::unique_ptr<FieldPlanes>> m_own;  // all fields except those of surfaces
     std::vector<FieldPlanes*> m_fields;               // all fields
+    std::vector<PlaneStack> m_seen;                   // one for each channel; only if some volumes are balls
+    std::vector<bool> m_asBalls;                      // for each of m_volumes
     std::vector<PlaneStack> m_totals;  // one for each channel; only if extinction is not that of a single volume
     std::uint64_t m_voxels = 0;
     bool m_texelsWanted = true;
