@@ -209,7 +209,7 @@ void GridMaker::addVolume(std::size_t volume, const ViewVolume* view, const Bake
     const bool grey =
         full ? m_scattersGrey
              : greyLights && isGrey(own.medium.albedo) && !own.albedoGrid && isGrey(m_scene.ambient) && !m_coloured;
-    if (request.indirect && full) addIndirect(volume, baked, grey);
+    if (request.indirect && full && !own.holdout) addIndirect(volume, baked, grey);
     if (request.emission && !own.classified) {
         VdbGrid& grid = add(volume, "emission", fmt::format("the emission of volume '{}'", own.name), baked);
         grid.metadata = {{"scrim:unit", kScattered}};

@@ -100,6 +100,8 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
     std::vector<Light> beside = scene.lights;
     if (skiesFromBorder(scene)) std::erase_if(beside, [](const Light& light) { return light.dome() != nullptr; });
     const double longest = mostVoxelsAlong(scene);
+    // Pictures add up of which each holds out what the other shows: cells must be the same in both.
+    for (ViewVolume& volume : scene.volumes) volume.holdout = false;
     pilot.edge = 2 * std::max(longest / kFewestAlong, 1.0);
     std::vector<CellLight> coarse = solved(withCells(scene, 2 * pilot.edge)),
                            fine = solved(withCells(scene, pilot.edge));

@@ -27,8 +27,8 @@ BUDGETS = {
     "scrim": 100, "scrim/engine": 1200, "scrim/engine/composite": 1900, "scrim/engine/light": 3250,
     "scrim/engine/model": 1700, "scrim/engine/plan": 3200, "scrim/engine/shade": 1900, "scrim/engine/splat": 3450,
     "scrim/engine/cells": 2850, "scrim/engine/lamps": 600, "scrim/engine/passes": 2900, "scrim/engine/solve": 3050,
-    "scrim/base": 1900, "scrim/geometry": 900, "scrim/guard": 2450, "scrim/image": 5400, "scrim/scene": 10850,
-    "scrim/shot": 7800, "scrim/solid": 700, "scrim/study": 2000, "scrim/verify": 4700, "scrim/volume": 8900,
+    "scrim/base": 1900, "scrim/geometry": 900, "scrim/guard": 2450, "scrim/image": 5400, "scrim/scene": 10870,
+    "scrim/shot": 7825, "scrim/solid": 700, "scrim/study": 2000, "scrim/verify": 4730, "scrim/volume": 8900,
     "load": 1850, "cli": 4500, "modules": 900,
 }  # fmt: skip
 

@@ -33,6 +33,19 @@ TEST(ScatterPilot, SeesThatDenseSmokeNeedsFinerCells) {
     EXPECT_LT(chooseScattering(*dense, {}, 0.02).cell, chooseScattering(*thin, {}, 0.02).cell);
 }
 
+TEST(ScatterPilot, ChoosesTheSameWhateverIsHeldOut) {
+    ViewScene scene = smoke(0.5, 0);
+    ViewVolume other = scene.volumes[0];
+    other.medium.densityScale = 0.1;
+    scene.volumes.push_back(other);
+    const auto seen = scatterPilot(scene);
+    scene.volumes[0].holdout = true;
+    const auto held = scatterPilot(scene);
+    ASSERT_TRUE(seen && held);
+    EXPECT_EQ(held->difference, seen->difference);
+    EXPECT_EQ(held->rayEffects, seen->rayEffects);
+}
+
 TEST(ScatterPilot, IsThatOfTheWholePictureWhateverTheCropAndTheBrightness) {
     const ViewScene scene = smoke(0.5, 0.3);
     ViewScene other = scene;

@@ -33,8 +33,10 @@ std::vector<std::vector<ViewField>> ofOneTopology(const std::vector<ViewField>& 
     return runs;
 }
 
-// A volume's sources of emission whose fields are not empty.
+// The sources of a volume's emission that the eye sees: none of a held-out volume, and otherwise those whose fields are
+// not empty.
 std::vector<ViewEmission> emissionOf(const ViewVolume& volume) {
+    if (volume.holdout) return {};
     std::vector<ViewEmission> emission = volume.emission;
     std::erase_if(emission, [](const ViewEmission& e) { return e.field.field->empty(); });
     return emission;
@@ -241,7 +243,7 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
         if (who == For::primaryEye)
             for (const ViewField& flow : flowOf(scene, volume)) add(flow);
         if (who == For::primaryEye)
-            for (const ViewEmission& emission : volume.emission) add(emission.field);
+            for (const ViewEmission& emission : emissionOf(volume)) add(emission.field);
     }
     const std::size_t totals = needsTotals(scene, plan, who, among) ? plan.extinction.count() : 0;
     return sum + totals * PlaneStack::bytes(batch, lattice.width, lattice.height, 1);
