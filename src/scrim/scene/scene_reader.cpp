@@ -256,6 +256,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
 
     ReadContext context{frame + within, frame, colour, text.folder, lookupIn({})};
     context.gridsFromCode = text.gridsFromCode;
+    context.deepFromCode = text.deepFromCode;
     if (const auto variables = section(k.variables)) context.variables = lookupIn(readVariables(*variables));
     if (auto output = section(k.output)) context.fps = output->number(keysOf<OutputKeys>().fps);
     context.version = root.integer(k.sceneVersion);
@@ -290,8 +291,8 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     root.finish();
     addShadowLayer(scene);
     addBackdropLayer(scene);
-    sweepPoints(scene);
     leaveOutUnseen(scene);
+    sweepPoints(scene);
     scene.warnings = *context.warnings;
     scene.lines = std::make_shared<const SceneLines>(linesOf(tree));
     if (const auto& shutter = scene.shutter)

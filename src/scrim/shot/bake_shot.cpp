@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/shot/bake_shot.h>
 
+#include <scrim/base/percent.h>
 #include <scrim/base/error.h>
 #include <scrim/base/finite.h>
 #include <scrim/base/parallel.h>
@@ -287,8 +288,8 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
             if (own && own->iterationError > 0)
                 notify(options.messages, Severity::warning,
                        fmt::format("frame {}: volume '{}': scattered light has not converged: further sweeps would "
-                                   "change it by about {:.2g} %",
-                                   frame, name, 100 * own->iterationError));
+                                   "change it by about {} %",
+                                   frame, name, percentText(own->iterationError)));
             maker.addVolume(v, isThere ? &*shown : nullptr, own, wanted, request);
         }
         out.grids = maker.take();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/scatter_pilot.h>
 
+#include <scrim/base/percent.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/cells/cell_levels.h>
@@ -169,11 +170,11 @@ ScatterChoice chooseScattering(const ScatterPilot& pilot, const Dials& dials, do
     const double ofCells = pilot.ofCells(choice.cell), directions = pilot.ofDirections(i);
     choice.expected = std::hypot(ofCells, directions);
     choice.why = fmt::format(
-        "cells of {:.4g} voxels are expected to leave {:.2g} %, since solves with cells of {:.3g} and {:.3g} voxels "
-        "differ by {:.2g} %; {} directions leave {:.2g} %, since twice 64 change {:.2g} %, and {:.2g} % of the light "
-        "goes on too straight for them",
-        choice.cell, 100 * ofCells, pilot.edge, 2 * pilot.edge, 100 * pilot.difference, choice.directions,
-        100 * directions, 100 * pilot.rayEffects, 100 * pilot.straight[i]);
+        "cells of {:.4g} voxels are expected to leave {} %, since solves with cells of {:.3g} and {:.3g} voxels "
+        "differ by {} %; {} directions leave {} %, since solves along 64 and 128 directions differ by {} %, and {} % "
+        "of the light goes on too straight for {}",
+        choice.cell, percentText(ofCells), pilot.edge, 2 * pilot.edge, percentText(pilot.difference), choice.directions,
+        percentText(directions), percentText(pilot.rayEffects), percentText(pilot.straight[i]), choice.directions);
     return choice;
 }
 
