@@ -92,8 +92,15 @@ void warnOfPromise(const std::string& preset, const PromisedDials& chosen, const
                            preset, percentText(chosen.promised), percentText(chosen.expected)));
     for (const auto& [expected, why] : chosen.beyond)
         notify(options.messages, Severity::warning,
-               fmt::format("the preset '{}' promises an error of {:.2g} %, but {:.2g} % are expected in this scene: {}",
-                           preset, 100 * chosen.promised, 100 * expected, why));
+               fmt::format("the preset '{}' promises an error of {} %, but {} % are expected in this scene: {}", preset,
+                           percentText(chosen.promised), percentText(expected), why));
+    if (const auto& s = chosen.scattering; s && s->choice.limited)
+        notify(
+            options.messages, Severity::warning,
+            fmt::format("the memory limit leaves no room to look at finer cells of light that scatters more than once: "
+                        "cells of {:.4g} voxels, which are expected to leave {} %, may be others without the limit; "
+                        "render.scatter_cell states them",
+                        s->choice.cell, percentText(s->choice.expected)));
     if (const auto& s = chosen.scattering; s && s->choice.expected > kClearly * s->promised)
         notify(options.messages, Severity::warning,
                fmt::format("the preset '{}' promises an error of {} % in means over {} x {} pixels where light "

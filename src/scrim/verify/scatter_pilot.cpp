@@ -45,11 +45,13 @@ double mostVoxelsAlong(const ViewScene& scene) {
     return most;
 }
 
-// True if a pilot with such cells takes little memory.
-bool isSmall(const ViewScene& scene, double cell) {
+// True if a pilot with such cells takes little memory. `limited`: it does, but more than the memory limit leaves.
+bool isSmall(const ViewScene& scene, double cell, bool& limited) {
     constexpr std::size_t kMostBytes = 500'000'000;
     const std::size_t most = scene.memoryLimit > 0 ? std::min(kMostBytes, scene.memoryLimit / 2) : kMostBytes;
-    return planTransport(withCells(scene, cell)).bytes <= most;
+    const std::size_t bytes = planTransport(withCells(scene, cell)).bytes;
+    limited = bytes > most && bytes <= kMostBytes;
+    return bytes <= most;
 }
 
 std::vector<CellLight> solved(const ViewScene& with) {
@@ -98,11 +100,11 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
     }
     ViewScene scene = withFewSubLights(given, kLights);
     scene.layers.clear();
+    // Pictures add up of which each holds out what the other shows: cells must be the same in both.
+    for (ViewVolume& volume : scene.volumes) volume.holdout = false;
     std::vector<Light> beside = scene.lights;
     if (skiesFromBorder(scene)) std::erase_if(beside, [](const Light& light) { return light.dome() != nullptr; });
     const double longest = mostVoxelsAlong(scene);
-    // Pictures add up of which each holds out what the other shows: cells must be the same in both.
-    for (ViewVolume& volume : scene.volumes) volume.holdout = false;
     pilot.edge = 2 * std::max(longest / kFewestAlong, 1.0);
     std::vector<CellLight> coarse = solved(withCells(scene, 2 * pilot.edge)),
                            fine = solved(withCells(scene, pilot.edge));
@@ -120,7 +122,7 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
         fine = solved(withCells(scene, pilot.edge));
         seen = seenCells(scene, beside, fine, coarse);
     } while (seen.difference > kFalls * before && pilot.edge >= 2 && longest / pilot.edge < kMostAlong / 2 &&
-             isSmall(scene, pilot.edge / 2));
+             isSmall(scene, pilot.edge / 2, pilot.limited));
     pilot.difference = seen.difference;
     pilot.share = seen.share;
     pilot.rayEffects =
@@ -169,6 +171,7 @@ ScatterChoice chooseScattering(const ScatterPilot& pilot, const Dials& dials, do
     ScatterChoice choice{cellBeside(pilot.ofDirections(i)), kOrdinateCounts[i], 0, {}};
     const double ofCells = pilot.ofCells(choice.cell), directions = pilot.ofDirections(i);
     choice.expected = std::hypot(ofCells, directions);
+    choice.limited = pilot.limited && !dials.scatterCell;
     choice.why = fmt::format(
         "cells of {:.4g} voxels are expected to leave {} %, since solves with cells of {:.3g} and {:.3g} voxels "
         "differ by {} %; {} directions leave {} %, since solves along 64 and 128 directions differ by {} %, and {} % "
