@@ -3,6 +3,7 @@
 
 #include "interrupt.h"
 
+#include <scrim/base/percent.h>
 #include <scrim/base/error.h>
 #include <scrim/scene/quality.h>
 #include <scrim/scene/toml_text.h>
@@ -40,8 +41,8 @@ void take(SceneInput& input, const std::string& preset) {
 
 std::string errorText(const ShotPlan& plan) {
     if (plan.promised == 0) return "the scene states its own texels or sheets, so nothing is promised";
-    return fmt::format("an error of {:.2g} % is expected, and {:.2g} % promised", 100 * plan.expected,
-                       100 * plan.promised);
+    return fmt::format("an error of {} % is expected, and {} % promised", percentText(plan.expected),
+                       percentText(plan.promised));
 }
 
 // What each preset takes for a frame; none, if the frame is skipped because its files are missing.

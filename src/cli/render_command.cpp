@@ -293,8 +293,8 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     if (rendered.skipped()) return;
     const ShotReport& report = rendered.report();
     if (report.verification && report.verification->outOfTime)
-        m_console.warning(fmt::format("frame {}: --verify-limit ended the verification after {} pixels", frame,
-                                      report.verification->pixels));
+        m_console.warning(fmt::format("frame {}: --verify-limit ended the verification after {} pixel{}", frame,
+                                      report.verification->pixels, report.verification->pixels == 1 ? "" : "s"));
     keepMissed(report);
     if (m_display) m_display->finish(rendered.image());
     throwIfInterrupted();

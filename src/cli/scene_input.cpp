@@ -46,6 +46,7 @@ OpenOptions openOptionsOf(const SceneOptions& options, const Shot* sharing) {
     out.turntable = options.turntable;
     out.load = guardedLoading(options.memory, options.verbose);
     out.checkedFrame = options.frames.empty() ? 1 : options.frames.front();
+    out.deepFromCode = !options.deep.empty();
     out.shareWith = sharing;
     return out;
 }

@@ -7,6 +7,7 @@
 #include "result_folder.h"
 #include "scene_input.h"
 
+#include <scrim/base/percent.h>
 #include <scrim/base/error.h>
 #include <scrim/scene/quality.h>
 #include <scrim/study/steadiness_data.h>
@@ -35,10 +36,11 @@ void requireNeighbours(const std::vector<int>& frames) {
 std::string tableOf(const ShotSteadinessResult& result) {
     std::string text = fmt::format(
         "frames {} to {}, {} x {} pixels, {:.0f} s; second differences of neighbouring frames, relative to the mean\n"
-        "'{}' promises at most {:.2g} % more than converged frames have\n\n"
+        "'{}' promises at most {} % more than converged frames have\n\n"
         "{:<24}{:>9}{:>12}{:>9}{:>9}   {}\n",
         result.frames.front(), result.frames.back(), result.resolution.x, result.resolution.y, result.seconds,
-        result.quality, 100 * result.promised, "layer", "shown", "converged", "excess", "error", "the worst pixel");
+        result.quality, percentText(result.promised), "layer", "shown", "converged", "excess", "error",
+        "the worst pixel");
     for (const LayerSteadiness& layer : result.layers) {
         if (layer.mean == 0) {
             text += fmt::format("{:<24}    black\n", layer.name);
@@ -47,7 +49,7 @@ std::string tableOf(const ShotSteadinessResult& result) {
         text += fmt::format("{:<24}{:>7.2f} %{:>10.2f} %{:>7.2f} %{:>7.2f} %", layer.name, 100 * layer.all.shown,
                             100 * layer.all.converged, 100 * layer.all.excess, 100 * layer.all.error);
         if (layer.worst > 0)
-            text += fmt::format("   {:.2g} %, ({}, {}) in frame {}", 100 * layer.worst, layer.worstX, layer.worstY,
+            text += fmt::format("   {} %, ({}, {}) in frame {}", percentText(layer.worst), layer.worstX, layer.worstY,
                                 layer.worstFrame);
         text += "\n";
     }
@@ -61,9 +63,9 @@ void requireKept(const ShotSteadinessResult& result) {
         if (!restless.empty() && layer.name == restless.front())
             throw Error(
                 ErrorKind::accuracy,
-                fmt::format("'{}' flickers: its second differences exceed those of converged frames by {:.2g} "
-                            "%, and '{}' promises {:.2g} %{}",
-                            layer.name, 100 * layer.all.excess, result.quality, 100 * result.promised,
+                fmt::format("'{}' flickers: its second differences exceed those of converged frames by {} "
+                            "%, and '{}' promises {} %{}",
+                            layer.name, percentText(layer.all.excess), result.quality, percentText(result.promised),
                             restless.size() > 1 ? fmt::format(" (and {} more layers)", restless.size() - 1) : ""));
 }
 

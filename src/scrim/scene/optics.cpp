@@ -25,7 +25,7 @@ double longestOf(const Mat4& isFromWs) {
 }  // namespace
 
 bool scattersOnce(const ViewVolume& volume) {
-    return !scattersFully(volume) && !volume.holdout && !volume.classified && !volume.field->empty() &&
+    return !scattersFully(volume) && !volume.classified && !volume.field->empty() &&
            (!volume.scatter.empty() || volume.medium.albedo != Rgb(0));
 }
 

@@ -117,7 +117,7 @@ void readDeep(TomlTable& table, const ReadContext& context, SceneOutput& output)
     const OutputKeys& k = keysOf<OutputKeys>();
     const auto path = table.find(k.deep);
     for (const Key* key : {&k.deepTolerance, &k.deepType})
-        if (const auto value = table.find(*key); value && !path)
+        if (const auto value = table.find(*key); value && !path && !context.deepFromCode)
             value->fail(fmt::format("{} is set without {}; expected the path of the deep picture, too", *key, k.deep));
     if (!path) return;
     output.deep.path = context.path(*path);

@@ -28,6 +28,7 @@ struct ReadContext {
     std::vector<std::string> meshes = {};  ///< names of all [[mesh]] tables
     std::vector<std::string> lights = {};  ///< names of all [[light]] tables
     bool gridsFromCode = false;            ///< volumes may name neither a file nor a source
+    bool deepFromCode = false;             ///< [output] may say how a deep picture is written without naming one
     double fps = 24;                       ///< frames per second
     int version = 1;                       ///< `scene_version`: the defaults that the author knew
     std::shared_ptr<std::vector<std::string>> warnings = std::make_shared<std::vector<std::string>>();

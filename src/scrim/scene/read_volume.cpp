@@ -176,10 +176,6 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
     if (const auto medium = table.find(k.medium))
         readMedium(of(*medium, keysOf<MediumKeys>().title()), context, volume);
     table.read(k, context.frame, volume);
-    if (volume.holdout) {  // nobody sees its colours, so their grids are not needed
-        volume.albedoGrid.reset();
-        volume.emission.clear();
-    }
     table.finish();
     return volume;
 }

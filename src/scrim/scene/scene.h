@@ -224,9 +224,7 @@ struct SceneVolume {
     std::string where;     ///< where the scene says `file`, `grids` or `source`: "scene.toml:12:8"
 
     /// As scattersFully of a view's volume, which also has voxels.
-    bool scattersFully() const {
-        return (classified ? classified->scatters : medium.scattering == Scattering::full) && !holdout;
-    }
+    bool scattersFully() const { return classified ? classified->scatters : medium.scattering == Scattering::full; }
     /// The factor that converts values of the velocity's grids to world units of the asset per frame of the scene.
     double pathPerFrame(double fps) const { return velocity ? velocity->perFrame(fps) * filesPerFrame : 0; }
 };

@@ -158,6 +158,19 @@ bool movesBetween(const toml::node& node, double begin, double end) {
     });
 }
 
+/// Leaves out grids that nothing shows: what held-out volumes emit and by which colours they scatter is of use only
+/// where it lights volumes in which light scatters more than once, or meshes that are seen.
+void leaveOutUnseen(Scene& scene) {
+    if (std::ranges::any_of(scene.volumes, &SceneVolume::scattersFully) ||
+        std::ranges::any_of(scene.meshes, [](const SceneMesh& m) { return m.color.has_value(); }))
+        return;
+    for (SceneVolume& volume : scene.volumes) {
+        if (!volume.holdout) continue;
+        volume.albedoGrid.reset();
+        volume.emission.clear();
+    }
+}
+
 /// Lets the points of volumes with a velocity be known wherever they pass while the shutter is open, or between two
 /// files.
 void sweepPoints(Scene& scene) {
@@ -243,6 +256,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
 
     ReadContext context{frame + within, frame, colour, text.folder, lookupIn({})};
     context.gridsFromCode = text.gridsFromCode;
+    context.deepFromCode = text.deepFromCode;
     if (const auto variables = section(k.variables)) context.variables = lookupIn(readVariables(*variables));
     if (auto output = section(k.output)) context.fps = output->number(keysOf<OutputKeys>().fps);
     context.version = root.integer(k.sceneVersion);
@@ -277,6 +291,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     root.finish();
     addShadowLayer(scene);
     addBackdropLayer(scene);
+    leaveOutUnseen(scene);
     sweepPoints(scene);
     scene.warnings = *context.warnings;
     scene.lines = std::make_shared<const SceneLines>(linesOf(tree));

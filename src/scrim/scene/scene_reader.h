@@ -17,6 +17,7 @@ struct SceneText {
     std::string folder;          ///< the folder that its paths are relative to; "": the current folder
     std::string text;            ///< TOML
     bool gridsFromCode = false;  ///< volumes may name neither a file nor a source
+    bool deepFromCode = false;   ///< [output] may say how a deep picture is written without naming one
 };
 
 /// Reads a file of up to 16 MB; `folder` becomes the file's folder. Throws Error(input) where it is missing or too

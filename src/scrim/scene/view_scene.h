@@ -109,10 +109,11 @@ struct ViewVolume {
     int place = -1;  ///< index into Scene::volumes, some of which may be culled; -1: its index in this scene
 };
 
-/// True if light scatters more than once in the volume.
+/// True if light scatters more than once in the volume. What a held-out volume scatters and emits reaches the others,
+/// too; only the eye does not see it.
 inline bool scattersFully(const ViewVolume& volume) {
     const bool full = volume.classified ? volume.classified->scatters : volume.medium.scattering == Scattering::full;
-    return full && !volume.holdout && !volume.field->empty();
+    return full && !volume.field->empty();
 }
 
 /// A deep picture that is written beside the flat one.

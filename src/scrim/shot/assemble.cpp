@@ -128,7 +128,7 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
                                                  "the light",
                                                  whole->activeVoxels - density->activeVoxels));
     }
-    if (!volume.classified && !volume.holdout) {
+    if (!volume.classified) {
         for (std::size_t i = 0; i < fields.emission.size(); ++i)
             if (fields.emission[i] && !fields.emission[i]->empty())
                 for (const EmittedField& emitted : emittedFields(fields.emission[i], volume.emission[i])) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/shot/bake_shot.h>
 
+#include <scrim/base/percent.h>
 #include <scrim/base/error.h>
 #include <scrim/base/finite.h>
 #include <scrim/base/parallel.h>
@@ -209,7 +210,7 @@ void GridMaker::addVolume(std::size_t volume, const ViewVolume* view, const Bake
     const bool grey =
         full ? m_scattersGrey
              : greyLights && isGrey(own.medium.albedo) && !own.albedoGrid && isGrey(m_scene.ambient) && !m_coloured;
-    if (request.indirect && full) addIndirect(volume, baked, grey);
+    if (request.indirect && full && !own.holdout) addIndirect(volume, baked, grey);
     if (request.emission && !own.classified) {
         VdbGrid& grid = add(volume, "emission", fmt::format("the emission of volume '{}'", own.name), baked);
         grid.metadata = {{"scrim:unit", kScattered}};
@@ -287,8 +288,8 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
             if (own && own->iterationError > 0)
                 notify(options.messages, Severity::warning,
                        fmt::format("frame {}: volume '{}': scattered light has not converged: further sweeps would "
-                                   "change it by about {:.2g} %",
-                                   frame, name, 100 * own->iterationError));
+                                   "change it by about {} %",
+                                   frame, name, percentText(own->iterationError)));
             maker.addVolume(v, isThere ? &*shown : nullptr, own, wanted, request);
         }
         out.grids = maker.take();

@@ -88,13 +88,19 @@ std::string caughtText(const VerificationReport& v) {
 }
 
 std::string verificationText(const VerificationReport& v) {
+    constexpr int kFewest = 3;  // two resamples of two pixels are no distribution
     const std::string pixels = v.edge > 1 ? fmt::format("means over {0} x {0} pixels", v.edge) : "pixels";
+    if (v.pixels == 0 && v.outOfTime)
+        return fmt::format("; not verified: time ran out before any {} that are not empty were examined", pixels);
     if (v.pixels == 0)
         return fmt::format("; nothing to verify: all {} {} that were examined are empty", v.looked, pixels);
     // A noisy reference leaves the error uncertain, even where all pixels were examined.
     if (v.complete && v.lower == v.upper)
         return fmt::format("; error {:.2f} %, of alpha {:.2f} %, at all {} {} that are not empty", 100 * v.error,
                            100 * v.alphaError, v.pixels, pixels);
+    if (v.pixels < kFewest && v.outOfTime)
+        return fmt::format("; error {:.2f} %, of alpha {:.2f} %, at {} {}, too few to tell that of the picture",
+                           100 * v.error, 100 * v.alphaError, v.pixels, pixels);
     return fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}), of alpha {:.2f} %, at {}{} {}", 100 * v.error,
                        100 * v.lower, 100 * v.upper, 100 * v.alphaError, v.complete ? "all " : "", v.pixels, pixels);
 }

@@ -111,6 +111,21 @@ void warnOfBuffers(const ViewScene& view, const Plan& plan, const MessageSink& m
     }
 }
 
+/// Warns of light on cells that the memory limit makes larger than they would be without it.
+void warnOfLargerCells(const ViewScene& view, const Plan& plan, const MessageSink& messages) {
+    const double coarser = plan.cellLights.coarser();
+    if (view.memoryLimit == 0 || !(coarser > 1)) return;
+    ViewScene free = view;
+    free.memoryLimit = 0;
+    const double without = makePlan(free, threadCount(), {}).cellLights.coarser();
+    constexpr double kClearly = 1.01;
+    if (coarser > kClearly * without)
+        notify(messages, Severity::warning,
+               fmt::format("the memory limit makes the cells that keep light {:.2g} times as large as they would be "
+                           "without it, which blurs shadows",
+                           coarser / without));
+}
+
 /// Warns of pictures that take long or much memory, before they do.
 void warnOfCost(const LoadedShot& shot, const ViewScene& view, const Plan& plan, const MessageSink& messages) {
     const std::string cost = costWarning(view, plan, bytesOf(shot.fields), threadCount());
@@ -185,6 +200,7 @@ Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
     keepPlan(view, plan);
     warnOfBlurredSkies(view, plan, m_options.messages);
     warnOfBuffers(view, plan, m_options.messages);
+    warnOfLargerCells(view, plan, m_options.messages);
     warnOfCoarserRasters(view, plan, m_options.messages);
     Frame frame = timed(seconds.render, [&] { return renderPlanned(view, plan, partOf(progress, 0, rendered)); });
     if (m_options.verify > 0) {

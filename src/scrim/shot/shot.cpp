@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/shot/shot.h>
 
+#include <scrim/base/percent.h>
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/base/system_error.h>
@@ -49,15 +50,17 @@ std::string promiseText(const std::string& preset, const PromisedDials& promised
     std::string scattering;
     if (const auto& s = promised.scattering)
         scattering = fmt::format(
-            "{:<23} '{}' promises {:.2g} % of error in means over {} x {} pixels, and {:.2g} % are "
+            "{:<23} '{}' promises {} % of error in means over {} x {} pixels, and {} % are "
             "expected: {}\n",
-            "", preset, 100 * s->promised, kScatteringMean, kScatteringMean, 100 * s->choice.expected, s->choice.why);
+            "", preset, percentText(s->promised), kScatteringMean, kScatteringMean, percentText(s->choice.expected),
+            s->choice.why);
     std::string beyond;
     for (const auto& [expected, why] : promised.beyond)
-        beyond += fmt::format("{:<23} {:.2g} % are expected: {}\n", "", 100 * expected, why);
-    return fmt::format("{:<23} '{}' promises {:.2g} % of error; for it, and for every {}:\n{}{}{}", "preset", preset,
-                       100 * promised.promised, ofMoments ? "render of this frame's motion blur" : "frame of the shot",
-                       renderBlock(dials), beyond, scattering);
+        beyond += fmt::format("{:<23} {} % are expected: {}\n", "", percentText(expected), why);
+    return fmt::format("{:<23} '{}' promises {} % of error; for it, and for every {}:\n{}{}{}", "preset", preset,
+                       percentText(promised.promised),
+                       ofMoments ? "render of this frame's motion blur" : "frame of the shot", renderBlock(dials),
+                       beyond, scattering);
 }
 
 /// Tells a plan's preset what it promises and what is expected of it.
@@ -84,19 +87,26 @@ void warnOfPromise(const std::string& preset, const PromisedDials& chosen, const
     constexpr double kClearly = 1.05;
     if (chosen.beyond.empty() && chosen.expected > kClearly * chosen.promised)
         notify(options.messages, Severity::warning,
-               fmt::format("the preset '{}' promises an error of {:.2g} %, but the finest texels and sheets that it "
-                           "may choose are expected to leave {:.2g} % in this scene",
-                           preset, 100 * chosen.promised, 100 * chosen.expected));
+               fmt::format("the preset '{}' promises an error of {} %, but the finest texels and sheets that it "
+                           "may choose are expected to leave {} % in this scene",
+                           preset, percentText(chosen.promised), percentText(chosen.expected)));
     for (const auto& [expected, why] : chosen.beyond)
         notify(options.messages, Severity::warning,
-               fmt::format("the preset '{}' promises an error of {:.2g} %, but {:.2g} % are expected in this scene: {}",
-                           preset, 100 * chosen.promised, 100 * expected, why));
+               fmt::format("the preset '{}' promises an error of {} %, but {} % are expected in this scene: {}", preset,
+                           percentText(chosen.promised), percentText(expected), why));
+    if (const auto& s = chosen.scattering; s && s->choice.limited)
+        notify(
+            options.messages, Severity::warning,
+            fmt::format("the memory limit leaves no room to look at finer cells of light that scatters more than once: "
+                        "cells of {:.4g} voxels, which are expected to leave {} %, may be others without the limit; "
+                        "render.scatter_cell states them",
+                        s->choice.cell, percentText(s->choice.expected)));
     if (const auto& s = chosen.scattering; s && s->choice.expected > kClearly * s->promised)
         notify(options.messages, Severity::warning,
-               fmt::format("the preset '{}' promises an error of {:.2g} % in means over {} x {} pixels where light "
-                           "scatters more than once, but {:.2g} % are expected in this scene: {}",
-                           preset, 100 * s->promised, kScatteringMean, kScatteringMean, 100 * s->choice.expected,
-                           s->choice.why));
+               fmt::format("the preset '{}' promises an error of {} % in means over {} x {} pixels where light "
+                           "scatters more than once, but {} % are expected in this scene: {}",
+                           preset, percentText(s->promised), kScatteringMean, kScatteringMean,
+                           percentText(s->choice.expected), s->choice.why));
 }
 
 Vec3 middleOf(const LoadedShot& loaded, const RenderOptions& options) {

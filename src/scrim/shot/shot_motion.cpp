@@ -219,10 +219,10 @@ ViewScene ShotMotion::Moments::moved(const Moment& moment, const Scene& at) cons
     const double t = moment.time;
     ViewScene out = inPlace(t, at);
     cull(at, out);
-    Fields fields = m_shot.fieldsAt(t);
+    const Fields fields = m_shot.fieldsAt(t);
     std::size_t bytes = 0;
     for (ViewVolume& volume : out.volumes) {
-        VolumeFields& own = fields[std::size_t(volume.place)];
+        VolumeFields own = fields[std::size_t(volume.place)];  // a volume and its detail have one place
         const FieldMover* mover = m_movers[std::size_t(volume.place)].get();
         if (!mover || own.time == 0) continue;
         const auto move = [&](std::shared_ptr<const SparseField>& field) {

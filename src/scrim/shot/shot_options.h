@@ -27,6 +27,8 @@ struct OpenOptions {
     int checkedFrame = 1;            ///< the frame at which the scene is checked when it is opened
     /// A [[volume]] may name neither file nor source, because Shot::setVolume gives its grids.
     bool gridsFromCode = false;
+    /// [output] may say how a deep picture is written without naming one, because it is named elsewhere.
+    bool deepFromCode = false;
     /// If given, the new shot shares the colour config, the volumes and the slides of that shot, and files that both
     /// show are loaded once. The two shots are then not independent and must be used from one thread.
     const Shot* shareWith = nullptr;

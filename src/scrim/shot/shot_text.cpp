@@ -65,6 +65,7 @@ void ShotText::give(const std::vector<std::string>& overrides, const OpenOptions
             throw Error(ErrorKind::usage, fmt::format("{}: --up is for assets; for a scene use --set camera.up=[0,0,1]",
                                                       shortened(m_path)));
         m_text.gridsFromCode = options.gridsFromCode;
+        m_text.deepFromCode = options.deepFromCode;
         if (const auto& resolution = options.resolution)
             m_given.push_back(fmt::format("camera.resolution=[{}, {}]", resolution->x, resolution->y));
     }

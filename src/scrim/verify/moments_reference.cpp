@@ -90,7 +90,7 @@ std::vector<Rgba> MomentsReference::meansOver(std::span<const VerifiedPixel> pix
     std::vector<Rgba> values(pixels.size() * moments.size());
     parallelFor(values.size(), [&](std::size_t i) {
         const VerifiedPixel& p = pixels[i / moments.size()];
-        values[i] = moments[i % moments.size()].reference->pixel(p.x, p.y);
+        if (goesOn()) values[i] = moments[i % moments.size()].reference->pixel(p.x, p.y, stop());
     });
     std::vector<Rgba> means(pixels.size());
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -98,8 +98,21 @@ std::vector<Rgba> MomentsReference::meansOver(std::span<const VerifiedPixel> pix
     return means;
 }
 
+bool MomentsReference::goesOn() {
+    if (!m_left && m_late && m_late()) m_left = true;
+    return !m_left;
+}
+
+// What the reference asks within a pixel; nothing, if no time is set.
+std::function<bool()> MomentsReference::stop() {
+    if (!m_late) return {};
+    return [this] { return !goesOn(); };
+}
+
 // A square is the mean of its pixels, among which its paths are divided.
-void MomentsReference::evaluate(std::span<VerifiedPixel> pixels) {
+bool MomentsReference::evaluate(std::span<VerifiedPixel> pixels, const std::function<bool()>& late) {
+    m_late = late;
+    m_left = false;
     std::vector<VerifiedPixel> each;
     std::vector<std::size_t> first;
     int most = 1;  // pixels of a square
@@ -113,7 +126,8 @@ void MomentsReference::evaluate(std::span<VerifiedPixel> pixels) {
     }
     first.push_back(each.size());
     evaluateSingle(each);
-    addScattered(each, std::max(m_paths / most, 1));
+    if (!m_left) addScattered(each, std::max(m_paths / most, 1));
+    if (m_left) return false;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         VerifiedPixel& p = pixels[i];
         p.reference = {};
@@ -125,6 +139,7 @@ void MomentsReference::evaluate(std::span<VerifiedPixel> pixels) {
         }
     }
     choosePaths(pixels);
+    return true;
 }
 
 void MomentsReference::choosePaths(std::span<const VerifiedPixel> pixels) {
@@ -142,14 +157,16 @@ void MomentsReference::choosePaths(std::span<const VerifiedPixel> pixels) {
 void MomentsReference::evaluateSingle(std::span<VerifiedPixel> pixels) {
     if (!m_truth.moments) {
         const Reference& still = *m_levels[0][0].reference;
-        parallelFor(pixels.size(), [&](std::size_t i) { pixels[i].reference = still.pixel(pixels[i].x, pixels[i].y); });
+        parallelFor(pixels.size(), [&](std::size_t i) {
+            if (goesOn()) pixels[i].reference = still.pixel(pixels[i].x, pixels[i].y, stop());
+        });
         return;
     }
     std::vector<VerifiedPixel> open(pixels.begin(), pixels.end());
     std::vector<std::size_t> places(pixels.size());
     for (std::size_t i = 0; i < places.size(); ++i) places[i] = i;
     std::vector<Rgba> before;
-    for (std::size_t level = 0; !open.empty(); ++level) {
+    for (std::size_t level = 0; !open.empty() && !m_left; ++level) {
         const std::vector<Rgba> means = meansOver(open, level);
         for (const Rgba& mean : means)
             for (std::size_t c = 0; c < 4; ++c) m_brightest[c] = std::max(m_brightest[c], std::abs(mean[c]));
@@ -171,14 +188,14 @@ void MomentsReference::evaluateSingle(std::span<VerifiedPixel> pixels) {
 }
 
 // Adds multiply scattered light on the first level only; its noise exceeds the differences between levels.
-void MomentsReference::addScattered(std::span<VerifiedPixel> pixels, int all) const {
+void MomentsReference::addScattered(std::span<VerifiedPixel> pixels, int all) {
     if (pixels.empty()) return;
     const std::vector<OfMoment>& moments = m_levels.front();
     constexpr int kLeast = 16;  // paths of a moment
     const int paths = std::max(all / static_cast<int>(moments.size()), kLeast);
     parallelFor(pixels.size(), [&](std::size_t i) {
         for (std::size_t m = 0; m < moments.size(); ++m) {
-            if (!moments[m].paths->any()) return;
+            if (!moments[m].paths->any() || !goesOn()) return;
             const Estimate scattered = moments[m].paths->pixel(pixels[i].x, pixels[i].y, paths, m + 1);
             const double part = 1.0 / double(moments.size());
             for (int c = 0; c < 3; ++c) {

@@ -10,6 +10,8 @@
 #include <scrim/verify/verify.h>
 
 #include <array>
+#include <atomic>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -27,7 +29,9 @@ class MomentsReference {
 
     /// Fills in the references of `pixels`, and the variance of multiply scattered light in them. The number of paths
     /// follows from the noise in the calls before, never from that of the same pixels, which would bias their variance.
-    void evaluate(std::span<VerifiedPixel> pixels);
+    /// `late` is asked in every step along a ray, by many threads; once it returns true, the rest is left out,
+    /// and evaluate() returns false: the references of `pixels` are then worth nothing.
+    bool evaluate(std::span<VerifiedPixel> pixels, const std::function<bool()>& late = {});
 
     /// The number of moments evaluated so far.
     std::size_t moments() const;
@@ -41,9 +45,11 @@ class MomentsReference {
     /// The moments of `2^level` times as many intervals as the first level has.
     const std::vector<OfMoment>& momentsOf(std::size_t level);
     void evaluateSingle(std::span<VerifiedPixel> pixels);
-    void addScattered(std::span<VerifiedPixel> pixels, int paths) const;
+    void addScattered(std::span<VerifiedPixel> pixels, int paths);
     void choosePaths(std::span<const VerifiedPixel> pixels);
     std::vector<std::array<double, 4>> meansOver(std::span<const VerifiedPixel> pixels, std::size_t level);
+    bool goesOn();
+    std::function<bool()> stop();
 
     const ViewScene& m_truth;
     FieldSamplers m_samplers;
@@ -53,6 +59,8 @@ class MomentsReference {
     int m_paths;                                  // for multiply scattered light, of a pixel or a square
     double m_noise = 0, m_light = 0;              // sums over the pixels so far: variance times paths, and the mean
     std::size_t m_seen = 0;                       // pixels in the sums
+    std::function<bool()> m_late;                 // of the call that is being made
+    std::atomic<bool> m_left = false;             // it was late
 };
 
 }  // namespace scrim

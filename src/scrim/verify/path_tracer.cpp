@@ -237,8 +237,9 @@ bool PathTracer::scatter(const Vec3& ws, Vec3& direction, bool first, bool& once
     std::vector<Rgb> parts(m_volumes.size(), Rgb(0));
     for (std::size_t i = 0; i < m_volumes.size(); ++i) {
         extinction += m_volumes[i].extinction(ws);
-        if (const ViewVolume& own = m_volumes[i].volume(); scattersFully(own) || (!once && scattersOnce(own)))
-            parts[i] = m_volumes[i].scattering(ws);
+        const ViewVolume& own = m_volumes[i].volume();
+        if (first && own.holdout) continue;  // it scatters nothing to the eye
+        if (scattersFully(own) || (!once && scattersOnce(own))) parts[i] = m_volumes[i].scattering(ws);
         all += parts[i];
     }
     if (largest(all) <= 0) return false;

@@ -364,7 +364,7 @@ Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
     return out;
 }
 
-std::array<double, 4> Reference::ray(double x, double y) const {
+std::array<double, 4> Reference::ray(double x, double y, const std::function<bool()>& late) const {
     const RayFamily rays = wsRays(m_scene.camera);
     const Vec3 origin = rays.origin(x, y);
     Vec3 direction = rays.direction(x, y);
@@ -381,7 +381,7 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     end = std::min(end, held.end());
     const double gauss = 0.5 / std::sqrt(3.0);
     Rgb radiance(0), tau(0), shown(0);
-    for (double t = begin; t < end && std::exp(-smallest(tau)) > m_options.leastTransmittance;) {
+    for (double t = begin; t < end && !(late && late()) && std::exp(-smallest(tau)) > m_options.leastTransmittance;) {
         if (const double empty = emptyDistance(m_volumes, origin + t * direction); empty > 0) {
             t += empty;
             continue;
@@ -422,12 +422,12 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     return {all.x, all.y, all.z, alpha + behind[3] * (1 - hidden)};
 }
 
-std::array<double, 4> Reference::pixel(int x, int y) const {
+std::array<double, 4> Reference::pixel(int x, int y, const std::function<bool()>& late) const {
     const int n = m_scene.dials.antialias;
     std::array<double, 4> sum{0, 0, 0, 0};
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
-            const std::array<double, 4> one = ray(x + (i + 0.5) / n, y + (j + 0.5) / n);
+            const std::array<double, 4> one = ray(x + (i + 0.5) / n, y + (j + 0.5) / n, late);
             for (std::size_t c = 0; c < 4; ++c) sum[c] += one[c] / (n * n);
         }
     return sum;

@@ -16,6 +16,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -43,11 +44,12 @@ class Reference {
     /// it has its own samplers. In a scene of several moments it sees the one moment that `scene` is.
     explicit Reference(const ViewScene& scene, const ReferenceOptions& options = {}, FieldSamplers* samplers = nullptr);
 
-    /// Premultiplied RGBA along the ray through raster position (x, y). Pixel centres are at + 1/2.
-    std::array<double, 4> ray(double x, double y) const;
+    /// Premultiplied RGBA along the ray through raster position (x, y). Pixel centres are at + 1/2. Once `late` returns
+    /// true, the ray ends, and the value is worth nothing.
+    std::array<double, 4> ray(double x, double y, const std::function<bool()>& late = {}) const;
 
     /// Mean over the n x n rays of pixel (x, y), where n is the scene's antialias dial.
-    std::array<double, 4> pixel(int x, int y) const;
+    std::array<double, 4> pixel(int x, int y, const std::function<bool()>& late = {}) const;
 
     /// Optical depth of each colour between two points in world space: of all volumes, or of those that cast shadows in
     /// light `light` of the scene.

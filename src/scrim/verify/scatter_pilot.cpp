@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/scatter_pilot.h>
 
+#include <scrim/base/percent.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/cells/cell_levels.h>
@@ -44,11 +45,13 @@ double mostVoxelsAlong(const ViewScene& scene) {
     return most;
 }
 
-// True if a pilot with such cells takes little memory.
-bool isSmall(const ViewScene& scene, double cell) {
+// True if a pilot with such cells takes little memory. `limited`: it does, but more than the memory limit leaves.
+bool isSmall(const ViewScene& scene, double cell, bool& limited) {
     constexpr std::size_t kMostBytes = 500'000'000;
     const std::size_t most = scene.memoryLimit > 0 ? std::min(kMostBytes, scene.memoryLimit / 2) : kMostBytes;
-    return planTransport(withCells(scene, cell)).bytes <= most;
+    const std::size_t bytes = planTransport(withCells(scene, cell)).bytes;
+    limited = bytes > most && bytes <= kMostBytes;
+    return bytes <= most;
 }
 
 std::vector<CellLight> solved(const ViewScene& with) {
@@ -97,6 +100,8 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
     }
     ViewScene scene = withFewSubLights(given, kLights);
     scene.layers.clear();
+    // Pictures add up of which each holds out what the other shows: cells must be the same in both.
+    for (ViewVolume& volume : scene.volumes) volume.holdout = false;
     std::vector<Light> beside = scene.lights;
     if (skiesFromBorder(scene)) std::erase_if(beside, [](const Light& light) { return light.dome() != nullptr; });
     const double longest = mostVoxelsAlong(scene);
@@ -117,7 +122,7 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
         fine = solved(withCells(scene, pilot.edge));
         seen = seenCells(scene, beside, fine, coarse);
     } while (seen.difference > kFalls * before && pilot.edge >= 2 && longest / pilot.edge < kMostAlong / 2 &&
-             isSmall(scene, pilot.edge / 2));
+             isSmall(scene, pilot.edge / 2, pilot.limited));
     pilot.difference = seen.difference;
     pilot.share = seen.share;
     pilot.rayEffects =
@@ -166,12 +171,13 @@ ScatterChoice chooseScattering(const ScatterPilot& pilot, const Dials& dials, do
     ScatterChoice choice{cellBeside(pilot.ofDirections(i)), kOrdinateCounts[i], 0, {}};
     const double ofCells = pilot.ofCells(choice.cell), directions = pilot.ofDirections(i);
     choice.expected = std::hypot(ofCells, directions);
+    choice.limited = pilot.limited && !dials.scatterCell;
     choice.why = fmt::format(
-        "cells of {:.4g} voxels are expected to leave {:.2g} %, since solves with cells of {:.3g} and {:.3g} voxels "
-        "differ by {:.2g} %; {} directions leave {:.2g} %, since twice 64 change {:.2g} %, and {:.2g} % of the light "
-        "goes on too straight for them",
-        choice.cell, 100 * ofCells, pilot.edge, 2 * pilot.edge, 100 * pilot.difference, choice.directions,
-        100 * directions, 100 * pilot.rayEffects, 100 * pilot.straight[i]);
+        "cells of {:.4g} voxels are expected to leave {} %, since solves with cells of {:.3g} and {:.3g} voxels "
+        "differ by {} %; {} directions leave {} %, since solves along 64 and 128 directions differ by {} %, and {} % "
+        "of the light goes on too straight for {}",
+        choice.cell, percentText(ofCells), pilot.edge, 2 * pilot.edge, percentText(pilot.difference), choice.directions,
+        percentText(directions), percentText(pilot.rayEffects), percentText(pilot.straight[i]), choice.directions);
     return choice;
 }
 

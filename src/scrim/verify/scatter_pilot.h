@@ -23,6 +23,7 @@ struct ScatterPilot {
     double rayEffects = 0;  ///< the same for the solves with 64 and with 128 directions
     double share = 0;       ///< the part of all light that has scattered more than once
     bool surfaces = false;  ///< scattersInSurfaces
+    bool limited = false;   ///< finer cells would have told more, but the memory limit left no room for them
     /// For each of kOrdinateCounts the part of the scattered light that goes straight on, of the narrowest phase
     /// function (SplitPhase).
     std::array<double, 3> straight{};
@@ -42,7 +43,8 @@ struct ScatterChoice {
     double cell = 0;     ///< dial scatter_cell
     int directions = 0;  ///< dial scatter_directions
     double expected = 0;
-    std::string why;  ///< a phrase for people, with numbers
+    std::string why;       ///< a phrase for people, with numbers
+    bool limited = false;  ///< as ScatterPilot::limited: without the limit another choice may be made
 };
 
 /// The largest cells and the fewest directions that should leave no more than `error`, or the finest that are chosen.

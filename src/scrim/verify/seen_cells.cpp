@@ -104,10 +104,11 @@ class Look {
     void add(const Vec3& ws, const Vec3& direction, double weight, Seen& seen) const {
         for (std::size_t v = 0; v < m_volumes.size(); ++v) {
             if (!m_boxes[v].contains(ws)) continue;
-            seen.direct += weight * grey(m_volumes[v].emission(ws));
             const ViewVolume& volume = m_volumes[v].volume();
+            if (volume.holdout) continue;
+            seen.direct += weight * grey(m_volumes[v].emission(ws));
             const Rgb scattering = m_volumes[v].scattering(ws);
-            if (scattering == Rgb(0) || volume.holdout) continue;
+            if (scattering == Rgb(0)) continue;
             for (const LightAt& light : m_lights) seen.direct += weight * grey(lit(light, m_volumes[v], ws, direction));
             for (std::size_t s = 0; s < 2; ++s)
                 for (const CellLight& light : *m_cells[s]) {

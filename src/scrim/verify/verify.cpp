@@ -18,6 +18,7 @@ namespace {
 constexpr double kLeastAlpha = 1e-3;        // pixels below this count only if they shine
 constexpr double kLeastLight = 1e-3;        // relative to the brightest reference
 constexpr std::size_t kPixelsPerStep = 16;  // between two reports of progress
+constexpr double kOfLimit = 0.05;           // part of a limit that a step of several pixels may take
 constexpr double kAnnounceAfter = 0.5;      // seconds after the start of a verification
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -215,12 +216,21 @@ PixelSample samplePixels(const ViewScene& truth, const Image& image, const Sampl
     bool announced = false;
     std::size_t counted = 0, judged = 0;  // among the first `judged` pixels
     double brightest = 0;
-    for (std::size_t first = 0; first < order.size() && counted < wanted; first += kPixelsPerStep) {
-        const std::size_t step = std::min(kPixelsPerStep, order.size() - first);
+    const std::size_t few = std::min(std::size_t(std::max(threadCount(), 1)), kPixelsPerStep);
+    const auto late = [&] { return options.seconds > 0 && spent() > options.seconds; };
+    for (std::size_t first = 0, step = 0; first < order.size() && counted < wanted; first += step) {
+        // With a limit there are steps of few pixels where one takes long, so that few are lost at the end.
+        const double perPixel = (spent() - prepared) / double(std::max<std::size_t>(first, 1));
+        const bool slow = options.seconds > 0 && (first == 0 || perPixel * kPixelsPerStep > kOfLimit * options.seconds);
+        step = std::min(slow ? few : kPixelsPerStep, order.size() - first);
         for (std::size_t i = first; i < first + step; ++i)
             sample.pixels.push_back({order[i].x, order[i].y, {}, {}, {}, edge});
         const std::span<VerifiedPixel> fresh = std::span(sample.pixels).subspan(first);
-        reference.evaluate(fresh);
+        if (!reference.evaluate(fresh, late)) {
+            sample.pixels.resize(first);
+            sample.outOfTime = true;
+            break;
+        }
         setRendered(fresh, image);
         if (const double now = std::max(brightest, brightestOf(fresh)); now > brightest) {
             brightest = now;  // pixels that counted relative to the former brightest may no longer count
@@ -237,7 +247,7 @@ PixelSample samplePixels(const ViewScene& truth, const Image& image, const Sampl
         }
         if (options.progress && !options.progress(std::min(done, 1.0)))
             throw Error(ErrorKind::interrupted, "the verification was interrupted");
-        if (options.seconds > 0 && spent() > options.seconds && counted < wanted) {
+        if (late() && counted < wanted) {
             sample.outOfTime = sample.pixels.size() < order.size();
             break;
         }

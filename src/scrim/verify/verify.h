@@ -61,9 +61,10 @@ struct PixelSample {
 constexpr int kAllPixels = std::numeric_limits<int>::max();
 
 struct SampleOptions {
-    int count = 0;       ///< number of pixels that must count; kAllPixels: every pixel that may show something
-    unsigned seed = 1;   ///< the first pixels are the same for every `count`
-    double seconds = 0;  ///< stop after this time; 0: no limit
+    int count = 0;      ///< number of pixels that must count; kAllPixels: every pixel that may show something
+    unsigned seed = 1;  ///< the first pixels are the same for every `count`
+    /// Stop after this time, and leave out the pixels that are not done then; 0: no limit.
+    double seconds = 0;
     ProgressSink progress = {};
     /// Called once, half a second after the start, with the expected total of seconds.
     std::function<void(double)> announce = {};

@@ -195,6 +195,12 @@ TEST_F(DeepOutput, NeverMeetsAnotherFile) {
     EXPECT_FALSE(exists("x.exr")) << "seen before anything is rendered";
 }
 
+TEST_F(DeepOutput, OfTheCommandLineHasTheTypeThatTheSceneStates) {
+    runWell({"render", "scene.toml", "-o", "x.exr", "--deep", "d.exr", "--set", "output.deep_type=float"});
+    EXPECT_TRUE(isWholeExr(file("d.exr")));
+    EXPECT_EQ(run({"render", "scene.toml", "-o", "x.exr", "--set", "output.deep_type=float"}).status, 3);
+}
+
 TEST_F(DeepOutput, IsPlannedAndWrittenBesideThePicture) {
     const std::vector<std::string> deep{"--set", "output.deep=new/d.exr", "--set", "output.deep_type=float"};
     const auto with = [&](std::vector<std::string> arguments) {

@@ -7,6 +7,7 @@
 
 #include <scrim/image/depth_picture.h>
 #include <scrim/image/exr_deep.h>
+#include <scrim/verify/path_tracer.h>
 #include <scrim/verify/reference.h>
 
 #include <gtest/gtest.h>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 
 namespace scrim::test {
 namespace {
@@ -387,6 +389,74 @@ TEST(VolumeHoldout, OfEitherAddsUpToBoth) {
             for (std::size_t l = 0; l < both.layers.size(); ++l)
                 expectSum(first.layers[l].data, second.layers[l].data, both.layers[l].data);
         }
+}
+
+// A cloud that glows beside one that does not, in both of which light scatters more than once.
+ViewScene fireBesideSmoke() {
+    ViewScene scene = plainScene();
+    scene.lights.clear();
+    scene.volumes[0].medium.scattering = Scattering::full;
+    ViewVolume fire = scene.volumes[0];
+    fire.name = "fire";
+    fire.medium.albedo = Rgb(0.5, 0.6, 0.4);  // so that it is not splatted together with the smoke
+    fire.emission = {{flameField(), Rgb(0.3, 0.2, 0.1)}};
+    fire.wsFromIs = glm::translate(Mat4(1.0), Vec3(10, 2, -6)) * fire.wsFromIs;
+    for (ViewEmission& emission : fire.emission)
+        emission.field.wsFromIs = glm::translate(Mat4(1.0), Vec3(10, 2, -6)) * emission.field.wsFromIs;
+    scene.volumes.push_back(fire);
+    scene.dials.scatterCell = 2;
+    scene.dials.scatterDirections = 64;
+    return scene;
+}
+
+ViewScene withHeldOut(ViewScene scene, std::size_t volume) {
+    scene.volumes[volume].holdout = true;
+    return scene;
+}
+
+// All that a held-out volume scatters and emits lights the others, as where it is seen. The solve is the same to the
+// bit, and sheets add it up in floats.
+TEST(VolumeHoldout, LightsWhatScattersMoreThanOnceAsWhereItIsSeen) {
+    for (const bool lit : {false, true}) {
+        ViewScene scene = fireBesideSmoke();
+        if (lit) scene.lights = plainScene().lights;
+        const Frame both = renderScene(scene), smoke = renderScene(withHeldOut(scene, 1)),
+                    fire = renderScene(withHeldOut(scene, 0));
+        double brightest = 0, bySmoke = 0;
+        for (std::size_t i = 0; i < both.image.rgba.size(); ++i) {
+            if (i % 4 == 3) continue;
+            brightest = std::max(brightest, double(both.image.rgba[i]));
+            bySmoke = std::max(bySmoke, double(smoke.image.rgba[i]));
+        }
+        EXPECT_GT(bySmoke, 1e-3 * brightest) << "the fire lights the smoke";
+        for (std::size_t i = 0; i < both.image.rgba.size(); ++i) {
+            if (i % 4 == 3) continue;  // alpha is that of volumes in which light scatters once
+            ASSERT_NEAR(smoke.image.rgba[i] + fire.image.rgba[i], both.image.rgba[i], 1e-5 * std::max(brightest, 1.0))
+                << i << (lit ? " lit" : "");
+        }
+    }
+}
+
+// So it is for the path tracer, to within five times its own noise in the mean over pixels.
+TEST(VolumeHoldout, LightsTheOthersOfThePathTracer) {
+    ViewScene scene = fireBesideSmoke();
+    scene.lights = plainScene().lights;
+    const ViewScene scenes[] = {scene, withHeldOut(scene, 1), withHeldOut(scene, 0)};
+    Rgb sum[3], variance(0);
+    for (std::size_t s = 0; s < 3; ++s) {
+        sum[s] = Rgb(0);
+        const PathTracer tracer(scenes[s]);
+        for (int y = 0; y < 48; y += 6)
+            for (int x = 0; x < 48; x += 6) {
+                const Estimate own = tracer.pixel(x, y, 2000, s + 1);
+                sum[s] += own.mean;
+                variance += own.variance;
+            }
+    }
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(sum[1][c] + sum[2][c], sum[0][c], 5 * std::sqrt(variance[c])) << c;
+        EXPECT_GT(std::min(sum[1][c], sum[2][c]), 10 * std::sqrt(variance[c])) << "either shows light: " << c;
+    }
 }
 
 // It takes light as it did before: what is behind it is as dark, only it is not seen.

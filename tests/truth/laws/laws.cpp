@@ -593,8 +593,7 @@ Broken fullAndSingleAgreeNearBlack(const DrawnScene& drawn, Draws&) {
     // A solve's sky is what comes in through its border, and so what volumes hold back.
     for (Light& light : single.lights) light.shadows = light.shadows || light.dome();
     ViewScene full = single;
-    for (ViewVolume& volume : full.volumes)
-        if (!volume.holdout) volume.medium.scattering = Scattering::full;
+    for (ViewVolume& volume : full.volumes) volume.medium.scattering = Scattering::full;
     require(anyScattersFully(full));
     return alike(full, rendered(full).image, single, rendered(single).image, 10 * kAlbedo);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/error.h>
+#include <scrim/base/percent.h>
 
 #include <gtest/gtest.h>
 
@@ -35,6 +36,16 @@ TEST(Clipped, HidesUnprintableBytes) {
     EXPECT_EQ(shortened(std::string_view("a\0b\x1b[31m\x7f", 8)), "a?b?[31m");
     EXPECT_EQ(shortened("\x7f\t\r"), "???");
     EXPECT_EQ(shortened("two\nlines"), "two lines");
+}
+
+TEST(PercentText, HasTwoDigitsAndAllOfLargerNumbers) {
+    EXPECT_EQ(percentText(0), "0");
+    EXPECT_EQ(percentText(0.00312), "0.31");
+    EXPECT_EQ(percentText(0.17), "17");
+    EXPECT_EQ(percentText(0.994), "99");
+    EXPECT_EQ(percentText(0.996), "100");
+    EXPECT_EQ(percentText(1.1), "110");
+    EXPECT_EQ(percentText(12.345), "1234");
 }
 
 TEST(Choices, ReadLikeASentence) {

@@ -144,6 +144,10 @@ TEST(SceneOutput, DeepPicturesAreReadAndChecked) {
               "scene.toml:8:13: 'deep_type' is the string \"double\"; expected 'half' or 'float'");
     EXPECT_EQ(outputError("deep_tolerance = 0.1\n"),
               "scene.toml:7:18: 'deep_tolerance' is set without 'deep'; expected the path of the deep picture, too");
+    // A program may name the picture.
+    SceneText text{"scene.toml", "", kScene + "[output]\ndeep_type = \"float\"\n"};
+    text.deepFromCode = true;
+    EXPECT_FALSE(readScene(text, 1, {}, test::ownColours()).output.deep.half);
 }
 
 TEST(SceneOutput, LayersAreInTheOrderOfTheEnumeration) {

@@ -138,6 +138,15 @@ TEST_F(MotionBlur, OfAConstantVelocityIsThatOfKeys) {
     EXPECT_LT(farthest(keyed, render({kShutter, kVelocity, samples(8)})), 1e-3);
 }
 
+// A volume with detail is two fields, coarse and fine voxels, and both move.
+TEST_F(MotionBlur, OfAConstantVelocityMovesTheDetailToo) {
+    const std::string detail = "volume.block.detail=2",
+                      noise = "volume.block.density={noise={amount=0.8,frequency=0.2,octaves=2}}";
+    const ShotFrame keyed = render({kShutter, kMoves, samples(8), detail, noise});
+    EXPECT_LT(farthest(keyed, render({kShutter, kVelocity, samples(8), detail, noise})), 1e-3);
+    EXPECT_GT(farthest(keyed, render({kShutter, samples(8), detail, noise})), 0.1);
+}
+
 // v = (x, y/2 - x/4, 0): linear, so that values at centres and at faces are of the same field.
 TEST_F(MotionBlur, KnowsWhereTheComponentsOfAStaggeredGridStand) {
     const auto shear = [](const Vec3& x) { return Vec3(0.5 * x.x + 2, 0.25 * x.y - 0.25 * x.x, 0); };

@@ -33,6 +33,36 @@ TEST(ScatterPilot, SeesThatDenseSmokeNeedsFinerCells) {
     EXPECT_LT(chooseScattering(*dense, {}, 0.02).cell, chooseScattering(*thin, {}, 0.02).cell);
 }
 
+// Opaque smoke looks alike with all cells that are too large for its shadows, and finer ones tell more; a limit that
+// leaves them no room is told of.
+TEST(ScatterPilot, TellsThatTheMemoryLimitHidesFinerCells) {
+    ViewScene scene = fullSmoke(26, 56, 32, 100, 0);
+    const auto free = scatterPilot(scene);
+    scene.memoryLimit = 1'000'000;
+    const auto limited = scatterPilot(scene);
+    ASSERT_TRUE(free && limited);
+    EXPECT_FALSE(free->limited);
+    EXPECT_TRUE(limited->limited);
+    EXPECT_GT(limited->edge, free->edge);
+    EXPECT_TRUE(chooseScattering(*limited, {}, 0.02).limited);
+    Dials stated;
+    stated.scatterCell = 2;
+    EXPECT_FALSE(chooseScattering(*limited, stated, 0.02).limited);
+}
+
+TEST(ScatterPilot, ChoosesTheSameWhateverIsHeldOut) {
+    ViewScene scene = smoke(0.5, 0);
+    ViewVolume other = scene.volumes[0];
+    other.medium.densityScale = 0.1;
+    scene.volumes.push_back(other);
+    const auto seen = scatterPilot(scene);
+    scene.volumes[0].holdout = true;
+    const auto held = scatterPilot(scene);
+    ASSERT_TRUE(seen && held);
+    EXPECT_EQ(held->difference, seen->difference);
+    EXPECT_EQ(held->rayEffects, seen->rayEffects);
+}
+
 TEST(ScatterPilot, IsThatOfTheWholePictureWhateverTheCropAndTheBrightness) {
     const ViewScene scene = smoke(0.5, 0.3);
     ViewScene other = scene;

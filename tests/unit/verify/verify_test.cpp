@@ -2,6 +2,7 @@
 #include "support/expect_error.h"
 #include "support/fields.h"
 
+#include <scrim/verify/moments_reference.h>
 #include <scrim/verify/reference.h>
 #include <scrim/verify/verify.h>
 #include <scrim/verify/verify_pixels.h>
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -282,6 +284,30 @@ TEST(VerificationOrder, IsFair) {
         ++counts[static_cast<std::size_t>(first.x / 3 + first.y / 3 * 8)];
     }
     for (const int count : counts) EXPECT_NEAR(count, 62.5, 5 * 7.9);
+}
+
+// Between the pixels of a step, and with what was done until then: none, if not one was.
+TEST(SamplePixels, EndsWhenTimeIsOver) {
+    const ViewScene scene = ballScene();
+    const Image image = renderScene(scene).image;
+    SampleOptions options;
+    options.count = kAllPixels;
+    options.seconds = 1e-9;
+    const PixelSample none = samplePixels(scene, image, options);
+    EXPECT_TRUE(none.outOfTime);
+    EXPECT_TRUE(none.pixels.empty());
+    const Verification v = summarise(none);
+    EXPECT_EQ(v.pixels, 0);
+    EXPECT_FALSE(v.complete);
+}
+
+TEST(MomentsReference, IsLeftBetweenPixels) {
+    const ViewScene scene = ballScene();
+    MomentsReference reference(scene);
+    std::vector<VerifiedPixel> pixels = samplePixels(scene, renderScene(scene).image, 20, 5).pixels;
+    std::atomic<int> asked = 0;
+    EXPECT_FALSE(reference.evaluate(pixels, [&] { return ++asked > 5; }));
+    EXPECT_TRUE(reference.evaluate(pixels, [] { return false; }));
 }
 
 TEST(SamplePixels, StopsWhenAskedTo) {

@@ -129,7 +129,7 @@ void SheetShader::chooseScattered(const std::vector<CellLight>& cellLight) {
             if (m_group.outputs.list[i] == *light.output) output = static_cast<int>(i) + 1;
         const auto show = [&](const Seen& seen, std::size_t medium, int surface) {
             const auto& field = light.ofVolume[seen.volume->sceneVolume];
-            if (!field) return;
+            if (!field || seen.held) return;
             m_scatteredParts.push_back({static_cast<int>(medium),
                                         surface,
                                         {},

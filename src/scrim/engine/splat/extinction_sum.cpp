@@ -33,8 +33,10 @@ std::vector<std::vector<ViewField>> ofOneTopology(const std::vector<ViewField>& 
     return runs;
 }
 
-// A volume's sources of emission whose fields are not empty.
+// The sources of a volume's emission that the eye sees: none of a held-out volume, and otherwise those whose fields are
+// not empty.
 std::vector<ViewEmission> emissionOf(const ViewVolume& volume) {
+    if (volume.holdout) return {};
     std::vector<ViewEmission> emission = volume.emission;
     std::erase_if(emission, [](const ViewEmission& e) { return e.ofBalls || e.field.field->empty(); });
     return emission;
