@@ -15,6 +15,12 @@ constexpr std::array<std::string_view, 7> kSigns{"", "+", "-", "*", "@", "*+", "
 
 }  // namespace
 
+GridRequest withoutList(GridRequest request) {
+    if (request.part == GridPart::places) request.component = GridRequest::kScalar;
+    if (isList(request.part)) request.part = GridPart::whole;
+    return request;
+}
+
 std::string toText(const GridRequest& request) {
     const std::size_t part = static_cast<std::size_t>(request.part);
     return std::string(kSigns.at(part)) + (request.component == GridRequest::kScalar

@@ -46,6 +46,9 @@ constexpr bool isList(GridPart part) {
     return part >= GridPart::ofPoints;
 }
 
+/// The request for the grid that a list is of, or else the same.
+GridRequest withoutList(GridRequest request);
+
 /// Convert a request to one word for other processes, "scalar:density", "0:Cd", "+0:velocity", "-scalar:vx", "*0:Cd"
 /// (of points), "@0:spray" (places), "*+0:v", "*-0:v", and back.
 /// The latter throws Error(usage) for any other text.

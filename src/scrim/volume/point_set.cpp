@@ -81,13 +81,10 @@ PointBlocks PointSet::blocksOf(const Use& use) const {
 /// A list; empty where the request means no points.
 SparseField PointSet::list(const std::vector<GridOffer>& offers, const GridRequest& request,
                            BlockMemory& memory) const {
-    GridRequest plain = request;
-    plain.part = GridPart::whole;
     const bool places = request.part == GridPart::places;
-    if (places) plain.component = GridRequest::kScalar;
     SparseField none;
     none.name = request.grid;
-    const auto use = useOf(offers, plain);
+    const auto use = useOf(offers, withoutList(request));
     if (!use || (places && !use->first.attribute.empty())) return none;
     const PointRaster& raster = m_rasters.at(use->first.place);
     return raster.list({request.grid, request.part, places ? request.component : use->second,

@@ -34,11 +34,13 @@ std::optional<std::vector<std::size_t>> neededGrids(const VdbLayout& layout, con
         for (std::size_t i = 0; i < offers.size(); ++i)
             if (offers[i].isPoints()) needed.insert(i);
     };
-    for (const GridRequest& request : requests)
-        if (const auto choice = chooseGrid(offers, request))
-            needed.insert(choice->grid);
-        else
+    for (const GridRequest& request : requests) {
+        const auto choice = chooseGrid(offers, withoutList(request));
+        if (!choice)
             insertPoints();
+        else if (!isList(request.part) || offers[choice->grid].isPoints())  // a grid of voxels has no list
+            needed.insert(choice->grid);
+    }
     for (const std::string& name : others)
         if (const auto i = chooseNamed(offers, name))
             needed.insert(*i);
