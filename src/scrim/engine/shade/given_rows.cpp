@@ -10,13 +10,7 @@ namespace scrim {
 
 SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const LevelSheets& level, const EyeView& eye,
                          const std::vector<CellLight>& cellLight, OtherLevels others, std::size_t ofBalls)
-    : m_plan(plan),
-      m_group(level.group),
-      m_extinction(level.extinction),
-      m_lights(level.lights),
-      m_eye(eye),
-      m_others(std::move(others)) {
-    enterLevels(scene);
+    : SheetShader(scene, plan, level, eye, std::move(others)) {
     const ViewVolume& volume = scene.volumes[ofBalls];
     m_ofBalls = true;
     m_ballVolume.sceneVolume = static_cast<int>(ofBalls);

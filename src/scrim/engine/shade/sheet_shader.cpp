@@ -56,19 +56,19 @@ SheetShader::Rows& SheetShader::rowsFor(std::size_t lights) const {
 
 SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const LevelSheets& level, const EyeView& eye,
                          const std::vector<CellLight>& cellLight, OtherLevels others)
+    : SheetShader(scene, plan, level, eye, std::move(others)) {
+    for (int i = 0; i < levels(); ++i) addVolumes(scene, plan, i);
+    finishVolumes(scene, cellLight);
+}
+
+SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const LevelSheets& level, const EyeView& eye,
+                         OtherLevels others)
     : m_plan(plan),
       m_group(level.group),
       m_extinction(level.extinction),
       m_lights(level.lights),
       m_eye(eye),
       m_others(std::move(others)) {
-    enterLevels(scene);
-    for (int i = 0; i < levels(); ++i) addVolumes(scene, plan, i);
-    finishVolumes(scene, cellLight);
-}
-
-// What does not depend on volumes.
-void SheetShader::enterLevels(const ViewScene& scene) {
     for (const LevelSheets* other : m_others.coarser) m_toCoarser.emplace_back(m_group.sheets, other->group.sheets);
     for (const LevelSheets* other : m_others.finer) m_toFiner.emplace_back(m_group.sheets, other->group.sheets);
     for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<Real>(m_group.primary * scene.ambient[c]);

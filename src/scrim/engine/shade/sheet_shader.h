@@ -77,7 +77,9 @@ class SheetShader {
     }
     int levels() const { return static_cast<int>(m_others.coarser.size()) + 1; }
     void addVolumes(const ViewScene& scene, const Plan& plan, int level);
-    void enterLevels(const ViewScene& scene);
+    // Without volumes.
+    SheetShader(const ViewScene& scene, const Plan& plan, const LevelSheets& level, const EyeView& eye,
+                OtherLevels others);
     void addMedium(const ViewScene& scene, const Plan& plan, const Seen& seen);
     void finishVolumes(const ViewScene& scene, const std::vector<CellLight>& cellLight);
     void addWithinSheet(int p, const SampleTile& samples, const GivenRows& given, Rows& rows) const;
