@@ -594,6 +594,9 @@ TEST(LightOnCells, AreLeftToShadowBuffersWhereAFewPointsLightOpaqueVoxels) {
         scene.volumes[0].medium.densityScale = depth / double(scene.volumes[0].field->maxValue);
         return !planCellLights(scene).lights.empty();
     };
+    EXPECT_TRUE(onCells(0.25));
+    EXPECT_FALSE(onCells(0.35));  // of a small picture, for which buffers cost less
+    scene.camera.resolution = {640, 640};
     EXPECT_TRUE(onCells(2.9));
     EXPECT_FALSE(onCells(3.1));
     scene.lights[0] = areaLight(AreaShape::disk, {60, 40, 30}, 30, 0, kWarm);

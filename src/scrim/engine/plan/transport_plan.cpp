@@ -166,17 +166,20 @@ double surfaceCell(const ViewScene& scene) {
 // The least number of sub-lights that cells are better for. A light of few points or directions has shadows that are
 // sharper than cells. Measured on solid shapes, a hypertexture, a ball of noise and a cloud of 0.4 to 2.5 per voxel,
 // beside spheres, disks and rectangles of 4 to 26 sub-lights: 0.3 to 0.7 % on cells, 0.1 to 0.4 % in buffers, which
-// took from a third (4 sub-lights, few voxels) to 15 times the time of cells (15, a large cloud). Cells are too large
-// for the rims of what is opaque: 1.5 and 3.8 % of shapes of 5 and 20 per voxel.
+// took from a third (4 sub-lights, few voxels, 256 x 256 pixels) to 15 times the time of cells (15, a large cloud, 960
+// x 540). Buffers take as long as the picture is large, cells do not. Cells are too large for the rims of what is
+// opaque: 1.5 and 3.8 % of shapes of 5 and 20 per voxel.
 int leastForCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
     constexpr int kMany = 4, kManyAtEdges = 16, kManyBesideSolid = 64;
     // Points among surfaces need windows of directions, each with a sweep: 12 of a sphere in a scan had 300 buffers.
     if (hasSurfaces(scene)) return isAmong(light, wsCorners) ? kMany : kManyAtEdges;
-    constexpr double kSolid = 3;  // optical depth of a voxel
-    double depth = 0;             // of one volume: what overlaps has no sharper edges
+    constexpr double kSolid = 3, kMostRays = 1e6;  // optical depth of a voxel; pixels times sub-lights
+    double depth = 0;                              // of one volume: what overlaps has no sharper edges
     for (const ViewVolume& v : scene.volumes)
         if (!v.field->empty()) depth = std::max(depth, mostDepth(v, voxelUnit(v)));
-    if (depth <= kSolid) return kMany;
+    if (depth <= kDepth) return kMany;
+    const double pixels = double(scene.camera.resolution.x) * scene.camera.resolution.y;
+    if (depth <= kSolid) return std::max(kMany, static_cast<int>(std::min(kMostRays / pixels, 1.0 * kManyAtEdges)));
     const bool beside = light.area() && !isLampOnCells(scene, light) && !isAmong(light, wsCorners);
     return beside ? kManyBesideSolid : kManyAtEdges;
 }
