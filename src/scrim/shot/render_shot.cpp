@@ -189,7 +189,8 @@ void FrameRender::keepPlan(const ViewScene& view, const Plan& plan) {
 }
 
 Frame FrameRender::renderPlanned(const ViewScene& view, const Plan& plan, const ProgressSink& progress) const {
-    return m_motion.blurs() ? m_motion.render(view, progress) : scrim::render(view, plan, progress, m_options.shown);
+    return m_motion.blurs() ? m_motion.render(view, plan, progress)
+                            : scrim::render(view, plan, progress, m_options.shown);
 }
 
 Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {

@@ -471,11 +471,10 @@ double ShotMotion::wantedSamples(double error, double most) const {
     }
 }
 
-Frame ShotMotion::render(const ViewScene& view, const ProgressSink& progress) const {
+Frame ShotMotion::render(const ViewScene& view, const Plan& middlePlan, const ProgressSink& progress) const {
     // Half of the tolerance is for each moment, and half for their mean.
     MeanFrame mean(m_samples, view.deep ? 0.5 * view.deep->tolerance : 0);
     // Light on cells in the middle serves all moments in which only the camera is elsewhere.
-    const Plan middlePlan = makePlan(view, threadCount(), partOf(progress, 0, 0));
     std::optional<KeptLight> kept;
     for (int i = 0; i < m_samples; ++i) {
         const bool middle = 2 * i + 1 == m_samples && !m_shot.scene.lens;

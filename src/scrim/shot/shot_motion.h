@@ -32,9 +32,9 @@ class ShotMotion {
     /// The scene that the picture is compared with.
     ViewScene truth() const;
 
-    /// Plans and renders the samples with the dials of `view`, and returns their mean. Depth is the nearest one, mean
-    /// depth is averaged by opacity. Throws Error.
-    Frame render(const ViewScene& view, const ProgressSink& progress) const;
+    /// Plans and renders the samples with the dials of `view`, and returns their mean. `plan`: that of `view`. Depth is
+    /// the nearest one, mean depth is averaged by opacity. Throws Error.
+    Frame render(const ViewScene& view, const Plan& plan, const ProgressSink& progress) const;
 
   private:
     class Moments;

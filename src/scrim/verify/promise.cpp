@@ -57,20 +57,21 @@ void boundSurfaces(Dials& dials) {
 }
 
 // The distance, in voxels, from a lamp outside of a volume to the nearest of its dense voxels that are seen; infinity
-// if there are none nearby.
-double nearestSeen(const ViewScene& scene, const std::vector<VolumeOptics>& all, const Light& light,
-                   const ViewVolume& volume, const VolumeOptics& optics) {
+// if there are none nearby. `all`: the optics of all volumes, which lie in `ws`.
+double nearestSeen(const ViewScene& scene, const std::vector<VolumeOptics>& all, const Bounds& ws, const Light& light,
+                   std::size_t number) {
     constexpr double kDense = 0.05, kFar = 12, kStep = 0.5;  // optical depth of a voxel; voxels
     constexpr double kHidden = 2.3;                          // optical depth
     constexpr int kDirections = 256, kTries = 8;
+    const ViewVolume& volume = scene.volumes[number];
+    const VolumeOptics& optics = all[number];
     const double voxel = voxelUnit(volume);
-    const Bounds ws = wsBounds(scene), box = transformed(volume.wsFromIs, volume.field->isBounds());
+    const Bounds box = transformed(volume.wsFromIs, volume.field->isBounds());
     const double beside = glm::distance(glm::clamp(light.wsPosition, box.lower, box.upper), light.wsPosition);
     std::vector<std::pair<double, Vec3>> hits;
     if (beside > kFar * voxel || optics.mostExtinction(light.wsPosition) > 0) return kNowhere;
     for (int i = 0; i < kDirections; ++i) {
-        const double z = 1 - (2.0 * i + 1) / kDirections, turn = 2 * std::numbers::pi * evenPoint(i).x;
-        const Vec3 way(std::sqrt(1 - z * z) * std::cos(turn), std::sqrt(1 - z * z) * std::sin(turn), z);
+        const Vec3 way = evenDirection(i, kDirections);
         for (double r = kStep; r <= kFar; r += kStep) {
             const Vec3 at = light.wsPosition + r * voxel * way;
             if (optics.mostExtinction(at) * voxel < kDense) continue;
@@ -96,6 +97,7 @@ void resolveNearLamps(const ViewScene& scene, PromisedDials& promised, double fi
     constexpr double kError = 0.55, kPart = 0.25;  // error where sheets are r thick; of the promise
     FieldSamplers samplers;
     std::vector<VolumeOptics> all;
+    const Bounds ws = wsBounds(scene);
     double nearest = kNowhere;
     for (const Light& light : scene.lights) {
         const bool lamp = light.area() ? light.area()->shape == AreaShape::sphere : !light.distant() && !light.dome();
@@ -104,8 +106,8 @@ void resolveNearLamps(const ViewScene& scene, PromisedDials& promised, double fi
         if (all.empty())
             for (const ViewVolume& volume : scene.volumes) all.emplace_back(volume, scene.dials.kernel, samplers);
         for (std::size_t v = 0; v < all.size(); ++v)
-            if (const ViewVolume& volume = scene.volumes[v]; !volume.field->empty() && litBy(volume.lights, l))
-                nearest = std::min(nearest, nearestSeen(scene, all, light, volume, all[v]));
+            if (!scene.volumes[v].field->empty() && litBy(scene.volumes[v].lights, l))
+                nearest = std::min(nearest, nearestSeen(scene, all, ws, light, v));
     }
     if (nearest == kNowhere) return;
     Dials& dials = promised.dials;
@@ -152,10 +154,8 @@ bool touchesSurfaces(const ViewScene& scene, const Light& light) {
         if (!volume.classified || volume.field->empty()) continue;
         const VolumeOptics optics(volume, Kernel::linear, samplers);
         for (int i = 0; i < kPoints; ++i) {
-            const double z = 1 - (2.0 * i + 1) / kPoints, turn = 2 * std::numbers::pi * evenPoint(i).x;
-            const Vec3 way(std::sqrt(1 - z * z) * std::cos(turn), std::sqrt(1 - z * z) * std::sin(turn), z);
-            if (optics.mostExtinction(light.wsPosition + light.area()->radius * way) * voxelUnit(volume) > kOpaque)
-                return true;
+            const Vec3 at = light.wsPosition + light.area()->radius * evenDirection(i, kPoints);
+            if (optics.mostExtinction(at) * voxelUnit(volume) > kOpaque) return true;
         }
     }
     return false;

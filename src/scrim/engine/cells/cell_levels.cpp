@@ -19,24 +19,12 @@ void add(const std::vector<bool>& some, std::vector<bool>& to) {
     for (std::size_t v = 0; v < to.size(); ++v) to[v] = to[v] || some[v];
 }
 
-// World volume of the blocks of the fields of these volumes.
-double occupied(const ViewScene& scene, const std::vector<bool>& volumes) {
-    double sum = 0;
-    for (std::size_t v = 0; v < volumes.size(); ++v) {
-        if (!volumes[v]) continue;
-        const SparseField& field = *scene.volumes[v].field;
-        double voxels = double(field.blockCount()) * kBlockVoxels;
-        for (const ConstantTile& tile : field.tiles) voxels += std::pow(double(tile.edge), 3);
-        sum += voxels * std::abs(glm::determinant(Mat3(scene.volumes[v].wsFromIs)));
-    }
-    return sum;
-}
-
 // True if cells of the edge `small` for all of these cost far more than those of `large` for what they are for.
 bool costsMoreTogether(const ViewScene& scene, const std::vector<bool>& ofLarge, double large,
                        const std::vector<bool>& ofSmall, double small) {
     constexpr double kMore = 2;
-    const double coarse = occupied(scene, ofLarge), fine = occupied(scene, ofSmall) / std::pow(small, 3);
+    const double coarse = occupied(withVoxelsOf(scene, ofLarge), 0),
+                 fine = occupied(withVoxelsOf(scene, ofSmall), 0) / std::pow(small, 3);
     return coarse / std::pow(small, 3) + fine > kMore * (coarse / std::pow(large, 3) + fine);
 }
 
@@ -100,6 +88,18 @@ ViewScene withVoxelsOf(const ViewScene& scene, const std::vector<bool>& volumes)
         out.volumes[v].scatter.clear();
     }
     return out;
+}
+
+double occupied(const ViewScene& scene, double margin) {
+    double sum = 0;
+    for (const ViewVolume& volume : scene.volumes) {
+        const SparseField& field = *volume.field;
+        const double edge = std::cbrt(std::abs(glm::determinant(Mat3(volume.wsFromIs))));
+        const auto ofCube = [&](double voxels) { return std::pow(voxels * edge + 2 * margin, 3); };
+        sum += double(field.blockCount()) * ofCube(kBlockEdge);
+        for (const ConstantTile& tile : field.tiles) sum += ofCube(tile.edge);
+    }
+    return sum;
 }
 
 LevelScene::LevelScene(const ViewScene& scene, const CellLightPlan& plan, std::size_t level) : LevelScene(scene) {

@@ -36,6 +36,9 @@ bool hasSurfaces(const ViewScene& scene);
 /// The scene without the voxels of all other volumes.
 ViewScene withVoxelsOf(const ViewScene& scene, const std::vector<bool>& volumes);
 
+/// World volume of all blocks of fields, each with `margin` world units around it; where several overlap, each counts.
+double occupied(const ViewScene& scene, double margin);
+
 /// The scene as the cells of one level see it.
 struct LevelScene {
     struct Coarser {

@@ -202,6 +202,14 @@ bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec
     return forced || isAmong(light, wsCorners);
 }
 
+constexpr double kMostAlong = 256, kMostWithEmpty = 1024;  // cells, see lightCell
+
+// The length of what is occupied, voxels, or a part of that of the box around it.
+double longestOf(const ViewScene& scene) {
+    const double all = largest(wsBounds(scene).size()), own = largest(wsOccupiedSize(scene));
+    return std::max(own, all * kMostAlong / kMostWithEmpty) / voxelUnit(scene);
+}
+
 // The edge of cells in voxels: as large as a cell is thin, and as features are large, for which the size of the volumes
 // stands, or for parts that are far apart the sum of their sizes; but no more than kMostAlong cells along them, and
 // kMostWithEmpty along the box around all, which passes must cross. Only whole parts of a voxel have cells where the
@@ -211,13 +219,11 @@ bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec
 // plume of 366 voxels and 0.11 per voxel, with cells of 1, 1.4, 2 and 3 voxels: 0.7, 0.7, 0.8 and 1.1 % for a dome,
 // 0.7, 0.8, 1.1 and 1.4 % for a soft box. A cloud of 0.29 per voxel has sharp rims: with a soft box and a lamp in it,
 // cells of 1 and 0.5 voxels leave 2.5 and 0.6 %.
-double lightCell(const ViewScene& scene, const Light& light) {
+// `longest`: of longestOf.
+double lightCell(const ViewScene& scene, const Light& light, double longest) {
     if (scene.dials.lightCell) return *scene.dials.lightCell;
     if (hasSurfaces(scene)) return surfaceCell(scene);
-    constexpr double kFine = 0.004, kFeatures = 1.0 / 120, kMostAlong = 256, kMostWithEmpty = 1024, kRims = 0.2;
-    const double all = largest(wsBounds(scene).size()) / voxelUnit(scene);
-    const double longest =
-        std::max(largest(wsOccupiedSize(scene)) / voxelUnit(scene), all * kMostAlong / kMostWithEmpty);
+    constexpr double kFine = 0.004, kFeatures = 1.0 / 120, kRims = 0.2;
     // The few points of a sphere are not to be told apart.
     const double features = std::max(kFeatures * longest, isLampOnCells(scene, light) ? 1 : 0.0);
     const double depth = depthOfVoxel(scene), thin = kDepth / depth * std::min(1.0, kRims / depth);
@@ -227,20 +233,6 @@ double lightCell(const ViewScene& scene, const Light& light) {
         if (step <= wanted) edge = step;
     if (scene.dials.lightError < kFine) edge = std::max(0.5 * edge, longest / (2 * kMostAlong));
     return edge * (light.area() && !isLampOnCells(scene, light) && edge > 1 ? 0.7 : 1);
-}
-
-// World volume of all blocks of fields; where several fields overlap, each counts.
-double occupied(const ViewScene& scene, double margin) {
-    double sum = 0;
-    for (const ViewVolume& volume : scene.volumes) {
-        const SparseField& field = *volume.field;
-        const Mat3 m(volume.wsFromIs);
-        const double voxel = std::abs(glm::dot(m[0], glm::cross(m[1], m[2]))), edge = std::cbrt(voxel);
-        const auto add = [&](double voxels) { sum += std::pow(voxels * edge + 2 * margin, 3); };
-        for (std::size_t b = 0; b < field.blockCount(); ++b) add(kBlockEdge);
-        for (const ConstantTile& tile : field.tiles) add(tile.edge);
-    }
-    return sum;
 }
 
 }  // namespace
@@ -358,8 +350,10 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     }
     if (plan.lights.empty()) return plan;
     const auto edgesFor = [&](const ViewScene& own) {
+        const double longest = longestOf(own);
         std::vector<double> edges;
-        for (const int i : plan.lights) edges.push_back(lightCell(own, scene.lights[std::size_t(i)]) * voxelUnit(own));
+        for (const int i : plan.lights)
+            edges.push_back(lightCell(own, scene.lights[std::size_t(i)], longest) * voxelUnit(own));
         return edges;
     };
     for (std::vector<bool>& volumes :
