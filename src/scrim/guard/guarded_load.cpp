@@ -11,10 +11,10 @@
 #include <scrim/guard/load_request.h>
 #include <scrim/guard/transfer_file.h>
 #include <scrim/volume/ax_module.h>
-#include <scrim/volume/grid_choice.h>
 #include <scrim/volume/loaded_source.h>
 #include <scrim/guard/mesh_transfer.h>
 #include <scrim/guard/picture_transfer.h>
+#include <scrim/volume/vdb_bounds.h>
 #include <scrim/volume/vdb_bytes.h>
 
 #include <fmt/format.h>
@@ -182,16 +182,6 @@ std::optional<LoadEdit> loadEdit(const GridEdit* edit) {
     return edit == nullptr ? std::nullopt : std::optional(loadEdit(*edit));
 }
 
-/// True for a file of points, which may become more voxels than its size suggests.
-bool holdsPoints(const VdbBytes& file) {
-    try {
-        const std::vector<GridOffer> offers = offersOf(checkVdbLayout(file));
-        return std::any_of(offers.begin(), offers.end(), [](const GridOffer& offer) { return offer.isPoints(); });
-    } catch (const Error&) {
-        return false;  // the child reports what is wrong with it
-    }
-}
-
 /// Starts a child for a task with a volume file, and with the others that its edit names. They are opened here,
 /// because children cannot open files.
 LoadJob begin(const std::string& path, LoadTask task, const LoadOptions& options, int transfer) {
@@ -206,6 +196,7 @@ LoadJob begin(const std::string& path, LoadTask task, const LoadOptions& options
         bytes += file->size();
         descriptors.push_back(file->descriptor());
     }
+    // Points may become more voxels than the size of their file suggests.
     const bool made = edit != nullptr || holdsPoints(*files.front());
     return LoadJob(options.loader, LoadedFiles::volumes, workOn(path, edit),
                    {transfer, descriptors.front(), -1, std::span(descriptors).subspan(1)},

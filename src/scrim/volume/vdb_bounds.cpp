@@ -72,7 +72,15 @@ std::optional<Bounds> vdbBounds(const VdbBytes& file, const std::vector<GridRequ
 
 bool holdsPoints(const std::string& path) {
     try {
-        const VdbLayout layout = checkVdbLayout(VdbBytes(path));
+        return holdsPoints(VdbBytes(path));
+    } catch (const std::exception&) {
+        return false;
+    }
+}
+
+bool holdsPoints(const VdbBytes& file) {
+    try {
+        const VdbLayout layout = checkVdbLayout(file);
         const std::vector<GridOffer> offers = offersOf(layout);
         return !layout.points.empty() ||
                std::any_of(offers.begin(), offers.end(), [](const GridOffer& offer) { return offer.isPoints(); });

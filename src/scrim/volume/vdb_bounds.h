@@ -25,5 +25,6 @@ std::optional<Bounds> vdbBounds(const VdbBytes& file, const std::vector<GridRequ
 
 /// True if the file is one of points, or has a grid of them, as far as its header tells. Never throws.
 bool holdsPoints(const std::string& path);
+bool holdsPoints(const VdbBytes& file);
 
 }  // namespace scrim

@@ -101,7 +101,7 @@ class List {
 }  // namespace
 
 bool seesBalls(const ViewScene& scene, const Plan& plan) {
-    return !plan.perView && std::ranges::any_of(scene.volumes, [](const ViewVolume& v) { return bool(v.balls); });
+    return std::ranges::any_of(scene.volumes, [&](const ViewVolume& volume) { return seesBalls(plan, volume); });
 }
 
 // A ball, or the way that it goes while the moment lasts.
@@ -160,7 +160,7 @@ BallSheets::BallSheets(const ViewScene& scene, const Plan& plan, const LevelShee
     std::vector<Ball> all;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];
-        if (!volume.balls || plan.perView) continue;
+        if (!seesBalls(plan, volume)) continue;
         auto kind = std::make_unique<Kind>();
         kind->volume = &volume;
         for (std::size_t axis = 0; axis < 3; ++axis) kind->place[axis] = List(*volume.balls->place[axis]);
@@ -487,7 +487,7 @@ std::size_t BallSheets::bytes() const {
 std::size_t BallSheets::bytes(const ViewScene& scene, const Plan& plan, const OutputLayout& layout) {
     std::size_t balls = 0;
     for (const ViewVolume& volume : scene.volumes)
-        if (volume.balls && !plan.perView) balls += volume.balls->count();
+        if (seesBalls(plan, volume)) balls += volume.balls->count();
     return balls * (2 * sizeof(Ball) + std::size_t(layout.floats()) * sizeof(Real) + 2 * 16);
 }
 

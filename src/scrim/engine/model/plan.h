@@ -326,6 +326,11 @@ struct Plan {
     RenderWork work;
 };
 
+/// True if the eye sees the volume's balls in place of its voxels, whose sheets then are for lights alone.
+inline bool seesBalls(const Plan& plan, const ViewVolume& volume) {
+    return volume.balls && !plan.perView;
+}
+
 /// The light of the scene that light `i` of the plan belongs to.
 inline const Light& ownerOf(const ViewScene& scene, const Plan& plan, PlanLight i) {
     return scene.lights[std::size_t(plan.subLights.ownerOf(i))];

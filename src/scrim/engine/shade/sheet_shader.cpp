@@ -89,7 +89,7 @@ void SheetShader::addVolumes(const ViewScene& scene, const Plan& plan, int level
         m_emissions.emplace_back(level, &emission);
     for (const ExtinctionSum::Volume& own : extinctionOf(level).volumes()) {
         const ViewVolume& volume = scene.volumes[own.sceneVolume];
-        if (volume.balls && !plan.perView) continue;
+        if (seesBalls(plan, volume)) continue;
         const Seen seen{level, &own, volume.holdout, own.scatter[0] != nullptr};
         m_holdouts = m_holdouts || volume.holdout;
         if (volume.classified) {

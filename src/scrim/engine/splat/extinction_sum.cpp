@@ -42,14 +42,9 @@ std::vector<ViewEmission> emissionOf(const ViewVolume& volume) {
     return emission;
 }
 
-// True for a volume that the eye sees as balls, so that its sheets are for lights alone.
-bool isBalls(const Plan& plan, const ViewVolume& volume) {
-    return volume.balls && !plan.perView;
-}
-
 bool anyBalls(const ViewScene& scene, const Plan& plan, ExtinctionSum::For who) {
     return who != ExtinctionSum::For::light &&
-           std::ranges::any_of(scene.volumes, [&](const ViewVolume& volume) { return isBalls(plan, volume); });
+           std::ranges::any_of(scene.volumes, [&](const ViewVolume& volume) { return seesBalls(plan, volume); });
 }
 
 // True for a volume that is among those which share the sheets; empty: all do.
@@ -147,7 +142,7 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
             own.density = &add(placements, volume.medium.mostExtinction())->planes();
         } else {
             std::vector<ViewField> fields{densityOf(volume)};
-            const bool seen = who != For::light && !isBalls(plan, volume);
+            const bool seen = who != For::light && !seesBalls(plan, volume);
             if (seen) fields.insert(fields.end(), volume.scatter.begin(), volume.scatter.end());
             const auto& flow = flowOf(scene, volume);
             const bool flows = seen && who == For::primaryEye;
@@ -178,7 +173,7 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
 void ExtinctionSum::addSums(const ViewScene& scene, const Plan& plan, const Lattice& lattice, int batchSheets, For who,
                             bool totals) {
     for (const Volume& volume : m_volumes)
-        m_asBalls.push_back(isBalls(plan, scene.volumes[std::size_t(volume.sceneVolume)]));
+        m_asBalls.push_back(seesBalls(plan, scene.volumes[std::size_t(volume.sceneVolume)]));
     for (int i = 0; i < m_channels.count() && anyBalls(scene, plan, who); ++i)
         m_seen.emplace_back(batchSheets, lattice.width, lattice.height, 1);
     for (int i = 0; i < m_channels.count() && totals; ++i)
@@ -263,7 +258,7 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];
         if (!isAmong(among, v)) continue;
-        if (who != For::light && !isBalls(plan, volume))
+        if (who != For::light && !seesBalls(plan, volume))
             for (const ViewField& scatter : volume.scatter) add(scatter);
         if (who == For::primaryEye)
             for (const ViewField& flow : flowOf(scene, volume)) add(flow);
