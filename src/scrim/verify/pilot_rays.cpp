@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -406,8 +407,8 @@ double oneDeviationAbove(double squares, double fourths, double values, int coun
 
 }  // namespace
 
-struct CoarserPilot::Rays {
-    Rays(const ViewScene& given, int count)
+struct PilotRadiance {
+    PilotRadiance(const ViewScene& given, int count)
         : scene(withFewSubLights(given, static_cast<int>(kMostLights))), pilots(scene), seen(look(pilots, count)) {}
 
     // The radiance of each ray, 0 where nothing is visible.
@@ -428,7 +429,8 @@ struct CoarserPilot::Rays {
     const std::vector<double> seen;
 };
 
-CoarserPilot::CoarserPilot(const ViewScene& scene, int rays) : m_rays(std::make_unique<const Rays>(scene, rays)) {}
+CoarserPilot::CoarserPilot(const ViewScene& scene, int rays)
+    : m_rays(std::make_unique<const PilotRadiance>(scene, rays)) {}
 CoarserPilot::~CoarserPilot() = default;
 
 double CoarserPilot::error(const ViewScene& coarser) const {
@@ -445,6 +447,11 @@ double CoarserPilot::error(const ViewScene& coarser) const {
         count += exact > 0 || seen[i] > 0;
     }
     return squares > 0 && values > 0 ? oneDeviationAbove(squares, fourths, values, count) : 0;
+}
+
+double seenRadiance(const ViewScene& scene, int rays) {
+    const PilotRadiance all(scene, rays);
+    return std::accumulate(all.seen.begin(), all.seen.end(), 0.0);
 }
 
 double pilotError(const ViewScene& given, int rays, int mostRays) {

@@ -25,6 +25,8 @@ inline constexpr int kMostPilotRays = 384;
 /// picture, or up to `mostRays` where these disagree. It serves to compare scenes. 0 where nothing is visible.
 double pilotError(const ViewScene& scene, int rays, int mostRays = kMostPilotRays);
 
+struct PilotRadiance;
+
 /// What coarser fields leave in the picture of a scene.
 class CoarserPilot {
   public:
@@ -36,9 +38,11 @@ class CoarserPilot {
     double error(const ViewScene& coarser) const;
 
   private:
-    struct Rays;
-    std::unique_ptr<const Rays> m_rays;
+    std::unique_ptr<const PilotRadiance> m_rays;
 };
+
+/// The sum of the radiance that `rays` rays over the whole picture see, of its three brightest lights.
+double seenRadiance(const ViewScene& scene, int rays);
 
 /// The mean optical depth of a voxel where light comes from that the camera sees, by `rays` rays; 0 where nothing is
 /// visible.

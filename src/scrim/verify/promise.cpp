@@ -245,6 +245,20 @@ ViewScene unlit(ViewScene scene) {
     return scene;
 }
 
+// The part of the light that the camera sees which is kept on cells.
+double shareOnCells(const ViewScene& scene) {
+    const std::vector<int> onCells = planCellLights(scene).lights;
+    ViewScene with = scene, beside = scene;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+        (std::ranges::count(onCells, int(i)) > 0 ? beside : with).lights[i].intensity = Rgb(0);
+    const auto shines = [](const Light& light) { return light.intensity != Rgb(0); };
+    if (std::ranges::none_of(with.lights, shines)) return 0;
+    if (std::ranges::none_of(beside.lights, shines)) return 1;
+    for (ViewVolume& volume : with.volumes) volume.emission.clear();
+    const double part = seenRadiance(with, kRays), rest = seenRadiance(beside, kRays);
+    return part > 0 ? part / (part + rest) : 0;
+}
+
 // The model of a scene of media, by at most so many rays.
 ToleranceModel modelOfMedia(const ViewScene& scene, int mostRays) {
     // The scenes in which the errors were measured had lights. Where none shines, sheets lie along the picture and only
@@ -265,8 +279,8 @@ ToleranceModel modelOfMedia(const ViewScene& scene, int mostRays) {
     // not. A ball of 0.24 a voxel, 25 voxels from a point: sheets of 2 and 0.8 voxels left 0.31 and 0.19 % by buffers,
     // and 1.5 and 0.42 % on cells.
     constexpr double kPerDepth = 6, kMostDepth = 0.5;
-    if (!planCellLights(scene).lights.empty())
-        model.sheets *= std::max(1.0, (1 + kPerDepth * std::min(depthOfVoxel(scene), kMostDepth)) / soft);
+    const double onCells = (1 + kPerDepth * std::min(depthOfVoxel(scene), kMostDepth)) / soft;
+    if (onCells > 1) model.sheets *= 1 + shareOnCells(scene) * (onCells - 1);
     // A ball of 1 : 1 : 1/100, 1/1000: sheets of 1.5 voxels left 1.4 %, where texels of half a voxel left 0.3.
     constexpr double kFlatSheets = 2.5;
     if (anyFlat(scene)) model.sheets *= kFlatSheets;

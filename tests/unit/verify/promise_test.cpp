@@ -251,6 +251,28 @@ TEST(Presets, LeaveAtMostThriceWhatTheyPromiseOfALampBesideAnEvenBall) {
         }
 }
 
+// Sheets are thin for the light that cells keep (as above), but only by its share of what is seen.
+TEST(Presets, ThinSheetsForLightOnCellsOnlyAsFarAsItIsSeen) {
+    constexpr int kRadius = 16;
+    const auto ball = makeField(Int3(-kRadius - 1), Int3(kRadius + 1), 1,
+                                [](const Vec3& is) { return std::clamp(kRadius + 0.5 - glm::length(is), 0.0, 1.0); });
+    ViewScene scene = orthographicScene(ball, {0.24, Rgb(1), {}}, 40, 96);
+    const auto sheetsUnder = [&](double sun, double sky) {
+        Light distant, dome;
+        distant.wsDirection = glm::normalize(Vec3(-1, -1, -2));
+        distant.kind = Light::Distant{};
+        distant.intensity = Rgb(sun);
+        dome.kind = Light::Dome{};
+        dome.intensity = Rgb(sky);
+        scene.lights = {distant, dome};
+        return promisedDials(scene, "high").dials.sheetThickness;
+    };
+    const double sun = sheetsUnder(5, 1e-6), both = sheetsUnder(5, 0.4), sky = sheetsUnder(1e-6, 0.4);
+    EXPECT_LT(sky, 0.8 * sun);
+    EXPECT_LT(both, 0.98 * sun);
+    EXPECT_GT(both, 1.02 * sky);
+}
+
 // A cloud of slices that are far thinner than a pixel. Its file's voxels would take texels of a hundredth of a pixel.
 TEST(Presets, PutThinSlicesTogetherAndKeepTheirPromise) {
     ViewScene fine = smoke(10, 0.15, 40);

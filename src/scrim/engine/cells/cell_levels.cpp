@@ -22,7 +22,7 @@ void add(const std::vector<bool>& some, std::vector<bool>& to) {
 // True if cells of the edge `small` for all of these cost far more than those of `large` for what they are for.
 bool costsMoreTogether(const ViewScene& scene, const std::vector<bool>& ofLarge, double large,
                        const std::vector<bool>& ofSmall, double small) {
-    constexpr double kMore = 2;
+    constexpr double kMore = 4;
     const double coarse = occupied(withVoxelsOf(scene, ofLarge), 0),
                  fine = occupied(withVoxelsOf(scene, ofSmall), 0) / std::pow(small, 3);
     return coarse / std::pow(small, 3) + fine > kMore * (coarse / std::pow(large, 3) + fine);
