@@ -20,6 +20,7 @@ inline constexpr double kFinestScatterCell = 0.5;  ///< voxels; cells are never 
 struct ScatterPilot {
     double edge = 0;        ///< the edge of the smaller cells, voxels
     double difference = 0;  ///< RMS over the rays of the difference between the solves with these cells and with larger
+    double ofEach = 0;      ///< likewise, each ray relative to its own light, or to a tenth of the mean
     double rayEffects = 0;  ///< the same for the solves with 64 and with 128 directions
     double share = 0;       ///< the part of all light that has scattered more than once
     bool surfaces = false;  ///< scattersInSurfaces

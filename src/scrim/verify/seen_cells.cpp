@@ -151,8 +151,8 @@ SeenCells seenCells(const ViewScene& scene, const std::vector<Light>& beside, co
     const RayFamily rays = wsRays(scene.camera);
     const Int2 size = scene.camera.resolution;
     double squares = 0, all = 0, onCells = 0;
-    int count = 0;
-    for (int first = 0; first < kTries * kRays && count < kRays; first += kRays) {
+    std::vector<std::pair<double, double>> found;  // of each ray: all of its light, and the difference
+    for (int first = 0; first < kTries * kRays && found.size() < kRays; first += kRays) {
         std::vector<Look::Seen> seen(kRays);
         parallelFor(seen.size(), [&](std::size_t k) {
             const Vec3 place = pilotPlace(first + static_cast<int>(k));
@@ -160,15 +160,18 @@ SeenCells seenCells(const ViewScene& scene, const std::vector<Light>& beside, co
             seen[k] = eye.along(rays.origin(x, y), glm::normalize(rays.direction(x, y)), rays.near, place.z);
         });
         for (const Look::Seen& s : seen) {
-            if (count == kRays || s.alpha < 1e-3) continue;
-            ++count;
+            if (found.size() == kRays || s.alpha < 1e-3) continue;
+            found.emplace_back(s.direct + s.cells[0], s.cells[0] - s.cells[1]);
             squares += std::pow(s.cells[0] - s.cells[1], 2);
             onCells += s.cells[0];
             all += s.direct + s.cells[0];
         }
     }
     if (!(all > 0)) return {};
-    return {std::sqrt(squares / count) / (all / count), onCells / all};
+    const double count = double(found.size()), mean = all / count;
+    double relative = 0;
+    for (const auto& [light, difference] : found) relative += std::pow(difference / std::max(light, 0.1 * mean), 2);
+    return {std::sqrt(squares / count) / mean, std::sqrt(relative / count), onCells / all};
 }
 
 }  // namespace scrim

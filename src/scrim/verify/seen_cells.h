@@ -12,10 +12,11 @@ namespace scrim {
 /// Light on two sizes of cells, relative to the mean of all light.
 struct SeenCells {
     double difference = 0;  ///< RMS over the rays of what one size shows beside the other
+    double ofEach = 0;      ///< likewise, each ray relative to its own light, or to a tenth of the mean
     double share = 0;       ///< the light on the finer cells
 };
 
-/// Looks along 64 rays that meet something. `beside`: the lights that are not on cells, as points and suns. Both
+/// Looks along 64 rays that meet something. `beside`: the lights that are not on cells, as points and suns. All
 /// members of the result are 0 where nothing is seen.
 SeenCells seenCells(const ViewScene& scene, const std::vector<Light>& beside, const std::vector<CellLight>& fine,
                     const std::vector<CellLight>& other);

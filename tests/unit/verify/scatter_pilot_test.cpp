@@ -132,6 +132,28 @@ TEST(ScatterPilot, ForeseesTheErrorOfFewDirections) {
     EXPECT_LT(foreseenOfSky, 0.002);
 }
 
+// A bright spot around a lamp has most of the error of cells. Where directions keep the promise, cells are as fine as
+// the spot needs; where they cannot, cells are as fine as the rest does, and what is expected still tells of the spot.
+TEST(ScatterChoice, RefinesCellsForABrightSpotOnlyWhereDirectionsKeepThePromise) {
+    ViewScene scene = smoke(0.3, 0);
+    Light lamp;
+    lamp.kind = Light::Point{};
+    lamp.wsPosition = Vec3(6, 3, 9);  // near the border of the smoke, towards the camera
+    scene.lights = {lamp};
+    ScatterPilot pilot = *scatterPilot(scene);
+    EXPECT_LT(pilot.ofEach, 0.7 * pilot.difference);
+    pilot.straight = {0, 0, 0};
+    pilot.rayEffects = 0.001;
+    const ScatterChoice kept = chooseScattering(pilot, {}, 0.02);
+    pilot.rayEffects = 0.2;
+    const ScatterChoice lost = chooseScattering(pilot, {}, 0.02);
+    pilot.ofEach = pilot.difference;
+    const ScatterChoice allAlike = chooseScattering(pilot, {}, 0.02);
+    EXPECT_GT(lost.cell, 1.15 * allAlike.cell);
+    EXPECT_LT(kept.cell, lost.cell);  // though cells have half of what is promised where it is lost
+    EXPECT_GT(lost.expected, allAlike.expected);
+}
+
 TEST(ScatterChoice, KeepsWhatTheSceneStates) {
     ViewScene scene = smoke(0.4, 0.9);
     scene.dials.scatterCell = 3.5;
