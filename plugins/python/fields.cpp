@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes volumes from arrays and from OpenVDB files.
+#include "array_fields.h"
 #include "bindings.h"
 
 #include <scrim/volume/field_builder.h>
@@ -7,11 +8,9 @@
 #include <scrim/volume/vdb_info.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -21,36 +20,6 @@
 
 namespace scrim::python {
 namespace {
-
-using Array = nb::ndarray<nb::ro, nb::device::cpu>;
-
-[[noreturn]] void fail(const std::string& name, const std::string& problem) {
-    throw Error(ErrorKind::usage, "grid '" + name + "': " + problem);
-}
-
-/// A NumPy array with the numbers of `it` as native float32 or float64, with any strides.
-nb::object floats(nb::handle it, const std::string& name) {
-    const nb::object numpy = nb::module_::import_("numpy");
-    const nb::object array = numpy.attr("asarray")(it);
-    const nb::object dtype = array.attr("dtype");
-    const std::string kind = nb::cast<std::string>(dtype.attr("kind"));
-    if (std::string("fiub").find(kind) == std::string::npos)
-        fail(name, "the array holds " + nb::cast<std::string>(nb::str(dtype)) + "; expected floats or whole numbers");
-    const bool asItIs = kind == "f" && nb::cast<bool>(dtype.attr("isnative")) &&
-                        nb::cast<int>(dtype.attr("itemsize")) >= 4 && nb::cast<int>(dtype.attr("itemsize")) <= 8;
-    return asItIs ? array : array.attr("astype")("float32");
-}
-
-void checkShape(const Array& array, const std::string& name) {
-    std::string shape;
-    bool fits = array.ndim() == 3 || (array.ndim() == 4 && array.shape(3) == 3);
-    for (std::size_t i = 0; i < array.ndim(); ++i) {
-        shape += (i > 0 ? ", " : "") + std::to_string(array.shape(i));
-        fits = fits && array.shape(i) >= 1 && array.shape(i) <= 1 << 20;
-    }
-    if (!fits)
-        fail(name, "the array is of shape (" + shape + "); expected (nx, ny, nz), or (nx, ny, nz, 3) for colours");
-}
 
 Mat4 matrixFrom(nb::handle transform) {
     const nb::object rows = nb::module_::import_("numpy").attr("asarray")(transform);
@@ -91,52 +60,15 @@ Mat4 placeOf(nb::handle voxelSize, nb::handle origin, nb::handle transform) {
     return place;
 }
 
-/// The origins of all blocks that the array touches.
-std::vector<Int3> blocksOf(const Array& array) {
-    std::vector<Int3> origins;
-    const Int3 size(array.shape(0), array.shape(1), array.shape(2));
-    for (int x = 0; x < size.x; x += kBlockEdge)
-        for (int y = 0; y < size.y; y += kBlockEdge)
-            for (int z = 0; z < size.z; z += kBlockEdge) origins.push_back({x, y, z});
-    return origins;
-}
-
-/// One component of the array as a grid.
-template <typename Number>
-SparseField gridOf(const Array& array, std::size_t component, const std::string& name, const Mat4& wsFromIs) {
-    const Int3 size(array.shape(0), array.shape(1), array.shape(2));
-    const auto* const first =
-        static_cast<const Number*>(array.data()) + (array.ndim() == 4 ? std::int64_t(component) * array.stride(3) : 0);
-    FieldPieces pieces{name, wsFromIs, blocksOf(array), {}, {}};
-    pieces.fill = [&](std::size_t i, float* values) {
-        const Int3 origin = pieces.blockOrigins[i], end = glm::min(size - origin, Int3(kBlockEdge));
-        std::fill_n(values, kBlockVoxels, 0.0f);
-        for (int x = 0; x < end.x; ++x)
-            for (int y = 0; y < end.y; ++y)
-                for (int z = 0; z < end.z; ++z)
-                    values[blockOffset(x, y, z)] =
-                        static_cast<float>(first[(origin.x + x) * array.stride(0) + (origin.y + y) * array.stride(1) +
-                                                 (origin.z + z) * array.stride(2)]);
-    };
-    return buildField(FieldPieces{pieces.name, pieces.wsFromIs, pieces.blockOrigins, pieces.fill, {}});
-}
-
 void makeField(Field* self, nb::handle numbersOfIt, nb::handle voxelSize, nb::handle nameOfIt, nb::handle origin,
                nb::handle transform) {
     const std::string name = textOf(nameOfIt, "the name of a grid");
-    const nb::object kept = floats(numbersOfIt, name);
-    const Array array = nb::cast<Array>(kept);
-    checkShape(array, name);
+    const NumberArray array(numbersOfIt, name);
     const Mat4 wsFromIs = placeOf(voxelSize, origin, transform);
-    const bool isColour = array.ndim() == 4;
     Field field{name, {}};
     doAndWait([&](Work& work) {
-        for (std::size_t c = 0; c < (isColour ? 3u : 1u); ++c) {
-            const std::string part = isColour ? name + "." + "rgb"[c] : name;
-            const auto& make = array.dtype() == nb::dtype<double>() ? gridOf<double> : gridOf<float>;
-            field.grids.push_back(make(array, c, part, wsFromIs));
-            reportCleaning(field.grids.back(), "array", work.messageSink());
-        }
+        field.grids = array.fields(name, wsFromIs);
+        for (const SparseField& grid : field.grids) reportCleaning(grid, "array", work.messageSink());
     });
     new (self) Field(std::move(field));
 }
@@ -215,7 +147,8 @@ void bindFields(nb::module_& module) {
                       R"(A grid of a volume: numbers on a lattice of voxels, of which those above 0 are kept.
 
 `array`: floats or whole numbers of shape (nx, ny, nz), or (nx, ny, nz, 3) for colours; element [x, y, z] is the voxel
-at index x, y, z. Strides are respected; it is read once, here. What is not finite or below 0 counts as 0.
+at index x, y, z. Strides are respected; it is read once, here, and no other copy of it is made than the
+blocks of the field. What is not finite or below 0 counts as 0.
 `voxel_size`: world units, one number or three; 1 unless it is given.
 `name`: what the scene calls the grid, 'density', 'temperature', 'Cd'.
 `origin`: the centre of voxel [0, 0, 0] in world units; the world's origin unless it is given.

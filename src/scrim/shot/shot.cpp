@@ -191,8 +191,9 @@ std::optional<LoadedShot> Shot::Content::loadOnce(Scene scene, const RenderOptio
     return loaded;
 }
 
-void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, ShotUse use) {
-    if ((!scene.keepsPromise && !choosesScattering(scene)) || scene.tolerance > 0) return;
+double Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, ShotUse use) {
+    if ((!scene.keepsPromise && !choosesScattering(scene)) || scene.tolerance > 0) return 0;
+    double pilots = 0;
     if (!promised || promised->first != scene.quality || options.dialsOfEachFrame) {
         RenderOptions whole = options;
         whole.crop.reset();
@@ -206,28 +207,32 @@ void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Shot
             if (frame != static_cast<int>(scene.frame))
                 richest = withOptions(sceneAt(frame, options), options, *stores);
             const auto loaded = loadShot(*stores, load, std::move(richest), whole, VolumesOf::picture, use);
-            if (!loaded) return;
+            if (!loaded) return 0;
             const auto viewAt = [&](double lod) { return loaded->view(whole, lod, VolumesOf::picture); };
             const bool chooses = scene.keepsPromise && !loaded->scene.dials.lod;
-            promised.emplace(scene.quality, promisedDials(viewAt(loaded->scene.dials.lod.value_or(0)), scene.quality,
-                                                          chooses ? viewAt : std::function<ViewScene(double)>()));
+            timed(pilots, [&] {
+                promised.emplace(scene.quality,
+                                 promisedDials(viewAt(loaded->scene.dials.lod.value_or(0)), scene.quality,
+                                               chooses ? viewAt : std::function<ViewScene(double)>()));
+            });
         } catch (const Error& error) {
             // An error in a file is reported when its own frame is rendered. Until then the preset's dials are those of
             // an average scene.
             if (error.kind() != ErrorKind::input) throw;
-            return;
+            return pilots;
         }
         if (scene.keepsPromise) warnOfPromise(scene.quality, promised->second, options);
     }
     const PromisedDials& chosen = promised->second;
     if (chosen.scattering) setScattering(scene.dials, chosen.scattering->choice);
-    if (!scene.keepsPromise) return;
+    if (!scene.keepsPromise) return pilots;
     if (!scene.dials.lod) scene.dials.lod = chosen.dials.lod;
     if (!scene.dials.lightCell) scene.dials.lightCell = chosen.dials.lightCell;
     scene.dials.texel = chosen.dials.texel;
     scene.dials.sheetThickness = chosen.dials.sheetThickness;
     scene.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, chosen.dials.opacityCutoff);
     scene.dials.lightError = std::min(scene.dials.lightError, chosen.dials.lightError);
+    return pilots;
 }
 
 Scene Shot::Content::byHand(Scene scene) {
@@ -269,7 +274,7 @@ void Shot::Content::readAhead(const RenderOptions& options, const LoadedShot& lo
 
 ShotFrame Shot::Content::render(Scene scene, double seconds, const RenderOptions& options) {
     scene = withOptions(std::move(scene), options, *stores);
-    timed(seconds, [&] { keepPromise(scene, options, ShotUse::render); });
+    const double pilots = timed(seconds, [&] { return keepPromise(scene, options, ShotUse::render); });
     auto frame = std::make_unique<ShotFrame::Content>(ShotFrame::Content{scene, "", stores->colour, {}});
     frame->previewExposure = options.previewExposure;
     ShotReport& report = frame->report;
@@ -277,7 +282,8 @@ ShotFrame Shot::Content::render(Scene scene, double seconds, const RenderOptions
     report.file = scene.output.file;
     report.frame = static_cast<int>(scene.frame);
     report.resolution = scene.camera.resolution;
-    report.seconds.load = seconds;
+    report.seconds.load = seconds - pilots;
+    report.seconds.plan = pilots;
     const VolumesOf volumesOf = isVerified(scene, options) ? VolumesOf::scene : VolumesOf::picture;
     const auto loaded =
         timed(report.seconds.load, [&] { return loadOnce(std::move(scene), options, volumesOf, ShotUse::render); });

@@ -33,8 +33,8 @@ struct Shot::Content {
     Scene sceneUnframed(int frame) const;
 
     /// Sets the dials of `scene` that keep its preset's promise. They are the same for all frames of the shot and all
-    /// parts of a picture.
-    void keepPromise(Scene& scene, const RenderOptions& options, ShotUse use);
+    /// parts of a picture. Returns the seconds that pilots took, without those of loading.
+    double keepPromise(Scene& scene, const RenderOptions& options, ShotUse use);
     /// As loadShot, but without the messages about the same files that keepPromise has sent.
     std::optional<LoadedShot> loadOnce(Scene scene, const RenderOptions& options, VolumesOf volumesOf, ShotUse use);
     /// A scene that was changed in code: its values are no longer keyed, and only velocities move it.

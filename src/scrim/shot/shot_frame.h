@@ -26,7 +26,7 @@ struct ShotLayer {
 
 /// Seconds of wall clock time.
 struct ShotTimes {
-    double load = 0, plan = 0, render = 0, verify = 0, write = 0;  ///< `plan` includes the pilots of a tolerance
+    double load = 0, plan = 0, render = 0, verify = 0, write = 0;  ///< `plan` includes all pilots
     /// Parts of `render`.
     double prepare = 0, scatter = 0, splat = 0, attenuate = 0, shade = 0, composite = 0;
 

@@ -19,8 +19,9 @@ class BlockMemory {
     virtual std::shared_ptr<float[]> take(std::size_t count) {
         return std::make_shared_for_overwrite<float[]>(count * kBlockVoxels);
     }
-    /// Of `values`, all that take(count) returned, only the first `kept` blocks are needed from now on.
-    virtual void shrink(float* /*values*/, std::size_t /*count*/, std::size_t /*kept*/) {}
+    /// Of `values`, all that take(count) returned, only the first `kept` blocks are needed from now on. The system gets
+    /// back the memory of the others, which must not be read any more.
+    virtual void shrink(float* values, std::size_t count, std::size_t kept);
 };
 
 }  // namespace scrim

@@ -24,6 +24,8 @@ namespace {
 
 /// Blocks per task: some tens of microseconds of work.
 constexpr std::size_t kBlocksPerTask = 64;
+/// Blocks whose values FieldBuilder keeps together: 2 MB, a large page.
+constexpr std::size_t kBlocksPerChunk = 1024;
 
 /// Smallest normal value. Denormal values count as 0 without a warning: whether a thread can tell them from 0 depends
 /// on its floating-point mode, and the result must not.
@@ -302,8 +304,10 @@ FieldBuilder::FieldBuilder(std::string name, const Mat4& wsFromIs) {
 }
 
 void FieldBuilder::addBlock(const Int3& origin, const float* values) {
+    const std::size_t at = m_pieces.blockOrigins.size() % kBlocksPerChunk;
+    if (at == 0) m_chunks.push_back(m_memory.take(kBlocksPerChunk));
     m_pieces.blockOrigins.push_back(origin);
-    std::memcpy(m_values.emplace_back().data(), values, kBlockVoxels * sizeof(float));
+    std::memcpy(m_chunks.back().get() + at * kBlockVoxels, values, kBlockVoxels * sizeof(float));
 }
 
 void FieldBuilder::addTile(const ConstantTile& tile) {
@@ -316,13 +320,20 @@ SparseField FieldBuilder::finish() {
 }
 
 SparseField FieldBuilder::finish(BlockMemory& memory) {
-    m_pieces.fill = [this](std::size_t i, float* values) {
-        std::memcpy(values, m_values[i].data(), kBlockVoxels * sizeof(float));
-    };
-    SparseField field = buildField(std::move(m_pieces), memory);
-    m_pieces = FieldPieces{.name = field.name, .wsFromIs = field.wsFromIs, .blockOrigins = {}, .fill = {}, .tiles = {}};
-    m_values.clear();
-    return field;
+    const FieldPieces empty{
+        .name = m_pieces.name, .wsFromIs = m_pieces.wsFromIs, .blockOrigins = {}, .fill = {}, .tiles = {}};
+    FieldFill field(std::exchange(m_pieces, empty), memory);
+    const std::vector<std::shared_ptr<float[]>> chunks = std::exchange(m_chunks, {});
+    parallelFor(chunks.size(), [&](std::size_t chunk) {
+        const std::size_t first = chunk * kBlocksPerChunk;
+        float* const values = chunks[chunk].get();
+        for (std::size_t i = first; i < std::min(field.blockCount(), first + kBlocksPerChunk); ++i) {
+            std::memcpy(field.block(i), values + (i - first) * kBlockVoxels, kBlockVoxels * sizeof(float));
+            field.filled(i);
+        }
+        m_memory.shrink(values, kBlocksPerChunk, 0);
+    });
+    return field.finish();
 }
 
 }  // namespace scrim

@@ -7,9 +7,7 @@
 #include <scrim/volume/block_memory.h>
 #include <scrim/volume/sparse_field.h>
 
-#include <array>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -102,13 +100,15 @@ class FieldBuilder {
 
     const std::string& name() const { return m_pieces.name; }
 
-    /// Returns the field, as `buildField` does. The builder is empty afterwards.
+    /// Returns the field, as `buildField` does. The builder is empty afterwards. It gives its own memory back to the
+    /// system while it fills that of the field.
     SparseField finish(BlockMemory& memory);
     SparseField finish();
 
   private:
     FieldPieces m_pieces;
-    std::deque<std::array<float, kBlockVoxels>> m_values;
+    BlockMemory m_memory;
+    std::vector<std::shared_ptr<float[]>> m_chunks;  ///< the values of so many blocks each
 };
 
 }  // namespace scrim

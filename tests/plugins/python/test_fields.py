@@ -72,6 +72,49 @@ def test_strides_and_types_do_not_matter():
     assert whole.max() > 0
 
 
+def peak_beyond(make):
+    """Bytes of memory that a call takes at most beyond what there was before."""
+    with open("/proc/self/clear_refs", "w") as file:
+        file.write("5")  # the peak starts anew
+
+    def now(key):
+        with open("/proc/self/status") as file:
+            return next(1024 * int(line.split()[1]) for line in file if line.startswith(key))
+
+    before = now("VmRSS")
+    made = make()
+    return now("VmHWM") - before, now("VmRSS") - before, made
+
+
+def test_an_array_is_copied_once_whatever_its_numbers():
+    scrim.Field(ONES)
+    native = numpy.full((192, 192, 192), 3, numpy.float32)
+    for array in [
+        native,
+        numpy.asfortranarray(native),
+        native.astype(native.dtype.newbyteorder()),
+        native.astype(numpy.float64),
+        native.astype(numpy.float16),
+        native.astype(numpy.int16).astype(">i2"),
+        native.astype(numpy.uint64),
+        native > 0,
+    ]:
+        peak, _, field = peak_beyond(lambda array=array: scrim.Field(array))
+        assert field.active_voxels == native.size and field.max in (1, 3)
+        assert peak < 1.3 * field.nbytes, array.dtype
+
+
+def test_emptiness_of_an_array_takes_no_memory():
+    array = numpy.zeros((256, 256, 256), numpy.float32)
+    array[100:110, 100:110, 100:110] = 1
+    peak, kept, field = peak_beyond(lambda: scrim.Field(array))
+    assert field.active_voxels == 1000 and peak < 0.1 * array.nbytes
+    array -= 1000  # as the air of a scan: not 0, but nothing either
+    array[100:110, 100:110, 100:110] = 1
+    peak, kept, field = peak_beyond(lambda: scrim.Field(array))
+    assert field.active_voxels == 1000 and kept < 0.1 * array.nbytes and peak < 1.3 * array.nbytes
+
+
 def test_a_colour_is_an_array_of_three(tmp_path):
     colours = numpy.zeros((16, 16, 16, 3), numpy.float32)
     colours[:] = (0.8, 0.4, 0.2)

@@ -239,16 +239,20 @@ class ReadingAhead : public ProgramTest {
         return Shot::open(file("s.toml"), {}, options);
     }
     // Pictures and messages of all frames.
-    std::vector<std::string> rendered(bool ahead, std::size_t memory) const {
+    std::vector<std::string> rendered(bool ahead, std::size_t memory,
+                                      MissingPolicy missing = MissingPolicy::error) const {
         Shot shot = open();
         std::vector<std::string> out;
         for (int frame = 1; frame <= 5; ++frame) {
             RenderOptions options;
             options.memory = memory;
+            options.missing = missing;
             if (ahead) options.next = frame + 1;
             options.messages = [&](Severity, const std::string& text) { out.push_back(std::to_string(frame) + text); };
             try {
-                const std::vector<float> pixels = shot.render(frame, options).image().rgba;
+                const ShotFrame rendered = shot.render(frame, options);
+                if (rendered.skipped()) continue;
+                const std::vector<float> pixels = rendered.image().rgba;
                 out.emplace_back(reinterpret_cast<const char*>(pixels.data()), pixels.size() * sizeof(float));
             } catch (const Error& error) {
                 out.push_back(std::to_string(frame) + error.what());
@@ -272,6 +276,30 @@ TEST_F(ReadingAhead, TellsErrorsWithTheFrameTheyBelongTo) {
     const std::vector<std::string> lines = rendered(true, 0);
     EXPECT_EQ(lines, rendered(false, 0));
     EXPECT_EQ(lines.at(1).rfind("2" + file("smoke.0002.vdb") + ": truncated or damaged: ", 0), 0u) << lines.at(1);
+}
+
+TEST_F(ReadingAhead, MissesFilesInTheFrameTheyBelongTo) {
+    std::filesystem::remove(file("smoke.0002.vdb"));
+    for (const MissingPolicy policy : {MissingPolicy::error, MissingPolicy::black, MissingPolicy::skip}) {
+        const std::vector<std::string> lines = rendered(true, 0, policy);
+        EXPECT_EQ(lines, rendered(false, 0, policy)) << static_cast<int>(policy);
+        const std::string start = policy == MissingPolicy::error   ? "2"
+                                  : policy == MissingPolicy::black ? "2frame 2: black instead: "
+                                                                   : "2frame 2 is skipped: ";
+        EXPECT_TRUE(lines.at(1).starts_with(start)) << lines.at(1);
+        EXPECT_NE(lines.at(1).find("smoke.0002.vdb"), std::string::npos) << lines.at(1);
+    }
+}
+
+// It was missing when the frame before began.
+TEST_F(ReadingAhead, FindsAFileThatComesLate) {
+    std::filesystem::rename(file("smoke.0002.vdb"), file("late.vdb"));
+    Shot shot = open();
+    RenderOptions options;
+    options.next = 2;
+    shot.render(1, options);
+    std::filesystem::rename(file("late.vdb"), file("smoke.0002.vdb"));
+    EXPECT_EQ(shot.render(2).image().rgba, open().render(2).image().rgba);
 }
 
 TEST_F(ReadingAhead, TakesNothingThatChangedSince) {

@@ -306,6 +306,23 @@ TEST_F(ShotTest, ReadsASceneInMemoryWhoseVolumeIsMadeInCode) {
     EXPECT_NE(shot.toml().find("fov = 20"), std::string::npos);
 }
 
+// Its pilots march through the field, of which nothing has to be read.
+TEST_F(ShotTest, CountsThePilotsOfAPresetAsPlanning) {
+    OpenOptions options;
+    options.gridsFromCode = true;
+    Shot shot = Shot::parse(
+        "[camera]\nposition = [0, 0, 400]\ntarget = [0, 0, 0]\nresolution = [64, 64]\n[[volume]]\nname = \"fog\"\n"
+        "[[light]]\nname = \"sun\"\ntype = \"distant\"\ndirection = [-1, -1, -1]\n",
+        "mine", "/somewhere", {}, options);
+    FieldBuilder builder("density", Mat4(1.0));
+    const std::vector<float> values(kBlockVoxels, 0.01f);
+    for (int i = 0; i < 4096; ++i) builder.addBlock(8 * Int3(i >> 8, i >> 4 & 15, i & 15) - 64, values.data());
+    shot.setVolume("fog", {builder.finish()});
+    const ShotFrame frame = shot.render(1);
+    const ShotTimes& seconds = frame.report().seconds;
+    EXPECT_GT(seconds.plan, 2 * seconds.load);
+}
+
 TEST_F(ShotTest, RendersGridsThatAreMadeInCode) {
     FieldBuilder builder("density", Mat4(1.0));
     const std::vector<float> ones(kBlockVoxels, 1.0f);

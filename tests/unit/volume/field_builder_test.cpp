@@ -3,8 +3,17 @@
 
 #include "support/expect_error.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <fstream>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <sys/mman.h>
+#include <unistd.h>
 
 namespace scrim {
 namespace {
@@ -60,6 +69,51 @@ TEST(FieldBuilder, DropsEmptyBlocksBetweenOthers) {
         EXPECT_EQ(field.blockOrigins[static_cast<std::size_t>(i)].x, 24 * i);
         EXPECT_EQ(field.block(static_cast<std::size_t>(i))[7], 1.0f + float(3 * i));
     }
+}
+
+/// Counts in pages what is in memory of the values of `count` blocks.
+std::size_t residentPages(const float* values, std::size_t count) {
+    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+    const auto begin = reinterpret_cast<std::uintptr_t>(values) / page * page;
+    const auto end = reinterpret_cast<std::uintptr_t>(values + count * kBlockVoxels) / page * page;
+    std::vector<unsigned char> pages((end - begin) / page);
+    EXPECT_EQ(::mincore(reinterpret_cast<void*>(begin), end - begin, pages.data()), 0);
+    return static_cast<std::size_t>(std::count_if(pages.begin(), pages.end(), [](auto p) { return (p & 1) != 0; }));
+}
+
+TEST(FieldBuilder, TakesNoMemoryForEmptyBlocks) {
+    constexpr int kBlocks = 40000, kPages = kBlocks / 2;
+    FieldPieces pieces;
+    pieces.name = "f";
+    pieces.fill = [](std::size_t i, float* values) { std::fill_n(values, 512, i < 3 ? 1.0f : -1.0f); };
+    for (int i = 0; i < kBlocks; ++i) pieces.blockOrigins.push_back({8 * i, 0, 0});
+    const SparseField field = buildField(std::move(pieces));
+    ASSERT_EQ(field.blockCount(), 3u);
+    EXPECT_EQ(field.block(2)[511], 1.0f);
+    EXPECT_LT(residentPages(field.block(0), kBlocks), 0.1 * kPages);
+}
+
+/// Memory of this process in bytes: "VmRSS" now, "VmHWM" at most since the file clear_refs was written to.
+double memoryBytes(const std::string& key) {
+    std::ifstream status("/proc/self/status");
+    for (std::string word; status >> word;)
+        if (word == key + ":") {
+            double kilobytes = 0;
+            status >> kilobytes;
+            return 1024 * kilobytes;
+        }
+    return 0;
+}
+
+TEST(FieldBuilder, GivesItsMemoryBackWhileItFillsTheField) {
+    constexpr int kBlocks = 40000;  // 82 MB
+    FieldBuilder builder("f", Mat4(1.0));
+    for (int i = 0; i < kBlocks; ++i) builder.addBlock({8 * i, 0, 0}, filled(1.0f + float(i)).data());
+    std::ofstream("/proc/self/clear_refs") << 5;
+    const double before = memoryBytes("VmRSS");
+    const SparseField field = builder.finish();
+    EXPECT_EQ(field.block(7)[511], 8.0f);
+    EXPECT_LT(memoryBytes("VmHWM") - before, 0.3 * double(field.bytes()));
 }
 
 TEST(FieldBuilder, IsEmptyAfterFinish) {
