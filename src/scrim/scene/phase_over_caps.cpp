@@ -40,6 +40,33 @@ std::vector<double> capMoments(double halfAngle, std::size_t count) {
     return moments;
 }
 
+// The rings that stand for a peak, of which is known how much light is how far from its middle: in the order of that.
+std::vector<PeakRing> ringsOf(const std::vector<PeakRing>& peak) {
+    constexpr double kMiddle = 0.15, kParts[] = {kMiddle, 0.45, 0.75, 1};  // what lies within each ring's outer border
+    constexpr double kNarrow = 5e-4;                                       // 1 - cos of 1.8 degrees: the middle, too
+    double all = 0;
+    for (const PeakRing& some : peak) all += some.part;
+    std::vector<PeakRing> rings(1);
+    if (!(all > 0)) return rings;
+    double within = 0;
+    std::size_t i = 0;
+    for (const double border : kParts) {
+        PeakRing ring;
+        double depths = 0;
+        for (; i < peak.size() && (within < border * all || border == 1); ++i) {
+            within += peak[i].part;
+            ring.part += peak[i].part / all;
+            depths += peak[i].part / all * peak[i].depth;
+        }
+        if (ring.part > 0) ring.depth = depths / ring.part;
+        if (border == kMiddle || ring.depth < kNarrow)
+            rings.front().part += ring.part;
+        else
+            rings.push_back(ring);
+    }
+    return rings;
+}
+
 }  // namespace
 
 double lobeWidth(const Phase& phase) {
@@ -120,23 +147,27 @@ CutPhase::CutPhase(const Phase& phase, double spacing) : row(kRow) {
     }
     row.back() = row[kPhaseAngles - 1];
     // The integrals over both halves of the sphere, in the variable whose entries are evenly apart.
-    double onFront = 0, onBack = 0, peak = 0;
+    double onFront = 0, onBack = 0;
+    std::vector<PeakRing> front, back;  // of what is cut off, by entry
     for (int i = 0; i + 1 < kPhaseAngles; ++i) {
         const double a = cosineAt(i), b = cosineAt(i + 1), middle = 0.5 * (a + b);
         const double part = kPi * (a - b) * double(row[std::size_t(i)] + row[std::size_t(i + 1)]);
         (middle > 0 ? onFront : onBack) += part;
         const double above = 2 * kPi * (a - b) * phaseValue(phase, middle) - part;
-        if (above > 0) peak += above, spread += above * (1 - std::abs(middle));
+        if (above > 0) (middle > 0 ? front : back).push_back({1 - std::abs(middle), above});
     }
-    spread = peak > 0 ? spread / peak : 0;
+    std::ranges::reverse(back);
+    onwards.rings = ringsOf(front);
+    backwards.rings = ringsOf(back);
     // Of the phase function itself by its moments: the mean of P_l over a half is known.
     const std::vector<double> moments = legendreMoments(phase, 4096), half = capMoments(0.5 * kPi, 4096);
-    double front = 0;
-    for (std::size_t l = 0; l < moments.size(); ++l) front += 0.5 * double(2 * l + 1) * moments[l] * half[l];
-    onwards = std::max(front - onFront, 0.0);
-    backwards = std::max(1 - front - onBack, 0.0);
+    double whole = 0;
+    for (std::size_t l = 0; l < moments.size(); ++l) whole += 0.5 * double(2 * l + 1) * moments[l] * half[l];
+    onwards.part = std::max(whole - onFront, 0.0);
+    backwards.part = std::max(1 - whole - onBack, 0.0);
     // What is left must be kept: rounding and trapezoids took a little.
-    const double rest = onFront + onBack, whole = 1 - onwards - backwards;
+    const double rest = onFront + onBack;
+    whole = 1 - onwards.part - backwards.part;
     for (Real& value : row) value *= static_cast<Real>(whole / std::max(rest, 1e-30));
 }
 

@@ -47,16 +47,24 @@ class PhaseOverCaps {
     std::vector<Real> m_values;
 };
 
+/// A ring of directions around straight on or straight back.
+struct PeakRing {
+    double depth = 0;  ///< 1 - cos of its angle; 0: the middle alone
+    double part = 0;   ///< of the peak
+};
+
 /// A phase function whose peaks, straight on and straight back, are cut off where they are narrower than directions
-/// that are `spacing` radians apart resolve. What is cut off counts as light from exactly there.
+/// that are `spacing` radians apart resolve. What is cut off counts as light from there.
 struct CutPhase {
     CutPhase(const Phase& phase, double spacing);
 
-    PhaseRow row;          ///< the rest, whose integral over the sphere is 1 - onwards - backwards
-    double onwards = 0;    ///< scattered by less than about the spacing
-    double backwards = 0;  ///< scattered back by nearly 180 degrees
-    /// The mean of 1 - cos of the angles by which what is cut off is scattered, from straight on or straight back.
-    double spread = 0;
+    struct Peak {
+        double part = 0;              ///< of the scattered light: what is cut off
+        std::vector<PeakRing> rings;  ///< what stands for it, from the middle outwards; their parts sum to 1
+    };
+
+    PhaseRow row;  ///< the rest, whose integral over the sphere is 1 less the parts of both peaks
+    Peak onwards, backwards;
 };
 
 /// The value of a row at an angle with this cosine.

@@ -25,21 +25,20 @@ class SkyPeaks {
           m_attenuated(sources.attenuated),
           m_cut(cut),
           m_octave(octave),
-          m_media(media),
-          m_depth(cut.spread / kAround) {}
+          m_media(media) {}
 
     Rgb at(const Vec3& ws) const {
         const Vec3 toEye = travelToEye(m_scene.camera, ws);
         Rgb sum(0);
-        if (m_cut.onwards > kNarrow) sum += m_cut.onwards * around(ws, -toEye);
-        if (m_cut.backwards > kNarrow) sum += m_cut.backwards * around(ws, toEye);
+        if (m_cut.onwards.part > kLittle) sum += m_cut.onwards.part * around(ws, -toEye, m_cut.onwards.rings);
+        if (m_cut.backwards.part > kLittle) sum += m_cut.backwards.part * around(ws, toEye, m_cut.backwards.rings);
         return m_octave.share * sum;
     }
 
   private:
-    // A peak is one ray, or also six around it, so that its mean cosine is kept.
-    static constexpr double kNarrow = 1e-3, kAround = 0.75;
-    static constexpr int kRays = 6;
+    static constexpr double kLittle = 1e-3;  // of the scattered light
+    static constexpr double kDark = 10;      // optical depth
+    static constexpr int kRays = 6;          // of a ring
 
     Rgb along(const Vec3& ws, const Vec3& way) const {
         constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -47,20 +46,23 @@ class SkyPeaks {
         if (radiance == Rgb(0)) return radiance;
         if (m_blocked && m_scene.solids->firstHit(SolidRole::shadow, ws, way, 0, kInfinity) < kInfinity) return Rgb(0);
         if (!m_attenuated) return radiance;
-        return radiance * glm::exp(-m_octave.extinction *
-                                   opticalDepth(m_media, ws, way, kInfinity, kMostDepth / m_octave.extinction));
+        return radiance *
+               glm::exp(-m_octave.extinction * opticalDepth(m_media, ws, way, kInfinity, kDark / m_octave.extinction));
     }
-    Rgb around(const Vec3& ws, const Vec3& way) const {
-        const Rgb middle = along(ws, way);
-        if (m_depth < kNarrow) return middle;
-        const double aside = std::sqrt(m_depth * (2 - m_depth));
+    Rgb around(const Vec3& ws, const Vec3& way, const std::vector<PeakRing>& rings) const {
         const Mat3 frame = frameAround(way);
         Rgb sum(0);
-        for (int i = 0; i < kRays; ++i) {
-            const double turn = 2 * std::numbers::pi * i / kRays;
-            sum += along(ws, (1 - m_depth) * way + aside * (std::cos(turn) * frame[0] + std::sin(turn) * frame[1]));
+        for (std::size_t r = 0; r < rings.size(); ++r) {
+            const double depth = rings[r].depth, aside = std::sqrt(depth * (2 - depth));
+            const int rays = depth > 0 ? kRays : 1;
+            Rgb own(0);
+            for (int i = 0; i < rays; ++i) {
+                const double turn = 2 * std::numbers::pi * (i + 0.618034 * double(r)) / rays;
+                own += along(ws, (1 - depth) * way + aside * (std::cos(turn) * frame[0] + std::sin(turn) * frame[1]));
+            }
+            sum += rings[r].part / rays * own;
         }
-        return (1 - kAround) * middle + kAround / kRays * sum;
+        return sum;
     }
 
     const ViewScene& m_scene;
@@ -69,8 +71,15 @@ class SkyPeaks {
     const CutPhase& m_cut;
     const Octave& m_octave;
     const MediaTogether& m_media;
-    double m_depth;  // 1 - cos of the angle of the rays around a peak
 };
+
+// The largest optical depth of a cell.
+double depthOfCell(const CellMedia& media) {
+    double most = 0;
+    for (const std::vector<Real>& channel : media.extinction)
+        for (const Real value : channel) most = std::max(most, double(value));
+    return most * media.grid.edge();
+}
 
 }  // namespace
 
@@ -78,11 +87,15 @@ void addPeaks(const ViewScene& scene, const Sources& sources, const std::vector<
               const MediaTogether& media, CellField& field, const std::function<void()>& checkpoint) {
     if (std::ranges::none_of(wide, [](const WidePhase& own) { return own.ofSky.has_value(); })) return;
     checkpoint();
-    // Rays take their time: in larger cells where there are many, between which their light is interpolated.
-    constexpr std::size_t kMostCells = 60'000;
+    // Rays take their time: in larger cells where there are many, between which their light is interpolated, as long as
+    // these are thin. Disney's cloud with droplets and 0.3 a voxel was 20, 4.5 and 2.1 % off with cells of 4, 1 and 0.5
+    // voxels.
+    constexpr std::size_t kFewCells = 60'000, kMostCells = 2'000'000;
+    constexpr double kThin = 0.35;
     CellMedia larger;
     const CellMedia* through = media.front();
-    while (through->grid.cells() > kMostCells) {
+    while (through->grid.cells() > kFewCells) {
+        if (2 * depthOfCell(*through) > kThin && through->grid.cells() <= kMostCells) break;
         CellMedia next = coarser(*through);
         if (next.grid.cells() >= through->grid.cells()) break;
         larger = std::move(next);
