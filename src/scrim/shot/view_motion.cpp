@@ -36,13 +36,13 @@ void addMotion(ViewScene& view, const Scene& now, const Scene& next, const Field
     for (ViewVolume& volume : view.volumes) {
         const auto i = std::size_t(volume.place);
         const SceneVolume &own = now.volumes[i], &later = next.volumes[i];
-        const bool flows =
-            own.velocity && fields[i].velocity.size() == 6 && !volume.classified && !volume.field->empty();
+        const bool flows = own.velocity && fields[i].onward != 0 && fields[i].velocity.size() == 6 &&
+                           !volume.classified && !volume.field->empty();
         if (!flows && own.wsFromAsset == later.wsFromAsset) continue;
         auto motion = std::make_shared<VolumeMotion>();
         motion->wsNextFromWs = later.wsFromAsset * glm::inverse(own.wsFromAsset);
         if (flows) {
-            motion->wsPerVelocity = own.pathPerFrame(now.output.fps) * Mat3(later.wsFromAsset);
+            motion->wsPerVelocity = fields[i].onward * Mat3(later.wsFromAsset);
             addFlow(volume, own, fields[i].velocity, *motion);
         }
         for (const ViewField& field : motion->flow) bytes += field.field->bytes();
