@@ -254,6 +254,30 @@ TEST(Balls, AreLitThroughWhatShadesTheirPlaceAndHaveItsAlbedo) {
         }
 }
 
+TEST(Balls, MoveByTheirVelocitiesInTheLayerOfMotion) {
+    ViewScene scene = sceneOf({{{-3, 0.3, -2}, {4, 1, 2}}, {0.7, 0.04}, {}, {{3, 1.5, 8}, {-1, 0.25, 0}}}, 2);
+    scene.layers = {Layer::motion};
+    auto motion = std::make_shared<VolumeMotion>();
+    motion->wsPerVelocity = Mat3(0.5);
+    scene.volumes[0].motion = motion;
+    for (const Rgb tint : {Rgb(1), Rgb(1, 0.5, 0.25)})
+        for (const bool moves : {false, true}) {
+            scene.volumes[0].medium.extinctionTint = tint;
+            motion->wsNextFromWs[3] = {0, moves ? 1 : 0, 0, 1};
+            const Frame frame = renderScene(scene);
+            int seen = 0;
+            for (int y = 0; y < 64; ++y)
+                for (int x = 0; x < 64; ++x) {
+                    const float* const at = frame.layers[0].data.data() + 2 * std::size_t(y * 64 + x);
+                    if (pixelOf(frame, x, y)[3] < 1e-4) continue;
+                    ++seen;
+                    EXPECT_NEAR(at[0], x < 32 ? 6 : -2, 1e-3) << x << " " << y;
+                    EXPECT_NEAR(at[1], (x < 32 ? 3 : 0.5) + (moves ? 4 : 0), 1e-3) << x << " " << y;
+                }
+            EXPECT_GT(seen, 20);
+        }
+}
+
 TEST(Balls, DrawTheirWaysWhileTheShutterIsOpen) {
     Points points{{{0.5, -0.4, 1}}, {0.02}, {}, {{3, 1.5, 0}}};
     ViewScene scene = sceneOf(points, 0.5);

@@ -291,7 +291,8 @@ ShadeWork BallSheets::shade(std::size_t first, std::size_t last, int plane) {
     const double middle = m_firstSheet + plane + 0.5;
     SampleTile samples;
     SheetShader::GivenRows rows;
-    rows.resize(kind.scatter.size(), kind.emission.size());
+    const bool flows = m_layout.motion && !kind.velocity.empty();
+    rows.resize(kind.scatter.size(), kind.emission.size(), flows ? 3 : 0);
     std::array<Real, kTileSize> scale;
     for (std::size_t k = 0; k < kTileSize; ++k) {
         const Ball& ball = m_balls[std::min(first + k, last - 1)];
@@ -315,6 +316,9 @@ ShadeWork BallSheets::shade(std::size_t first, std::size_t last, int plane) {
                 density > 0 ? rows.extinction[k] * static_cast<Real>(double(kind.scatter[c][ball.index]) / density) : 0;
         for (std::size_t e = 0; e < kind.emission.size(); ++e)
             rows.emission[e].values[k] = static_cast<Real>(thin * chord * double(kind.emission[e][ball.index]) / path);
+        const Vec3 velocity = flows ? kind.velocityOf(ball.index) : Vec3(0);
+        for (int axis = 0; flows && axis < 3; ++axis)
+            rows.velocity[std::size_t(axis)].values[k] = static_cast<Real>(velocity[axis]);
     }
     m_eye.setDepth(middle, samples);
     samples.spacing = m_eye.pixelSpacing(middle);
