@@ -413,16 +413,45 @@ TEST(Balls, ACropHasTheBitsOfTheWhole) {
         points.at.emplace_back(part(0.8191725), part(0.6710436), part(0.5497005));
         points.radius.push_back(0.3 * std::fmod(0.618 * i, 1.0) + 0.01);
     }
-    ViewScene scene = withSlab(sceneOf(points, 2));
-    scene.volumes[0].medium.albedo = Rgb(0.5);
-    scene.lights = {distantLight({0.3, 0.2, -1}, 2)};
-    const Frame whole = renderScene(scene);
-    ViewScene part = scene;
-    part.picture = scene.region;
-    part.region = {13, 22, 51, 40};
-    const Frame crop = renderScene(part);
-    for (int y = 22; y < 40; ++y)
-        for (int x = 13; x < 51; ++x) EXPECT_EQ(pixelOf(crop, x, y), pixelOf(whole, x, y)) << x << " " << y;
+    const auto expectBitsOf = [](const ViewScene& scene) {
+        const Frame whole = renderScene(scene);
+        ViewScene part = scene;
+        part.picture = scene.region;
+        for (const PixelWindow& region : {PixelWindow{13, 22, 51, 40}, PixelWindow{0, 0, 22, 64}}) {
+            part.region = region;
+            const Frame crop = renderScene(part);
+            for (int y = region.y0; y < region.y1; ++y)
+                for (int x = region.x0; x < region.x1; ++x) {
+                    EXPECT_EQ(pixelOf(crop, x, y), pixelOf(whole, x, y)) << x << " " << y;
+                    const auto own = std::size_t((y - region.y0) * region.width() + x - region.x0);
+                    for (std::size_t c = 0; c < 2; ++c)
+                        EXPECT_EQ(crop.layers[0].data[2 * own + c],
+                                  whole.layers[0].data[2 * std::size_t(y * 64 + x) + c])
+                            << x << " " << y;
+                }
+        }
+    };
+    for (const Rgb tint : {Rgb(1), Rgb(1, 0.5, 0.25)}) {
+        ViewScene scene = withSlab(sceneOf(points, 2));
+        scene.volumes[0].medium.albedo = Rgb(0.5);
+        scene.volumes[0].medium.extinctionTint = tint;
+        scene.lights = {distantLight({0.3, 0.2, -1}, 2)};
+        scene.layers = {Layer::depth};
+        expectBitsOf(scene);
+        // Alone, with voxels around themselves only, so that a tile has sheets without anything.
+        scene.volumes.pop_back();
+        ViewVolume& volume = scene.volumes[0];
+        volume.field = makeField(Int3(-32), Int3(32), 0.25, [&](const Vec3& is) {
+            const bool near =
+                std::ranges::any_of(points.at, [&](const Vec3& at) { return glm::distance(at, 0.25 * is) < 0.5; });
+            return near ? 1e-6 : 0;
+        });
+        volume.wsFromIs = volume.field->wsFromIs;
+        scene.camera.type = CameraType::perspective;
+        scene.camera.fov = 25;
+        scene.dials.sheetThickness = 0.3;
+        expectBitsOf(scene);
+    }
 }
 
 TEST(Balls, ASolidHidesThoseBehindIt) {
