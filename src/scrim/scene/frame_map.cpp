@@ -26,10 +26,6 @@ double FrameMap::beyondAt(double frame) const {
     return between == BetweenFiles::nearest || std::abs(number - file) < kExact ? 0 : number - file;
 }
 
-double FrameMap::filesPerFrame(double frame) const {
-    return between == BetweenFiles::nearest ? 1 : numberAt(frame + 0.5) - numberAt(frame - 0.5);
-}
-
 std::optional<int> FrameMap::frameOf(int file) const {
     const auto shows = [&](double frame) { return fileAt(frame) == file; };
     if (keys.keys.empty()) {

@@ -54,7 +54,6 @@ void readFrame(TomlTable table, const ReadContext& context, SceneVolume& volume)
                                context.wholeFrame, 2 * kLastFrame));
     volume.frame = static_cast<int>(number);
     volume.beyond = map.beyondAt(frame);
-    volume.filesPerFrame = map.filesPerFrame(frame);
     table.finish();
 }
 

@@ -76,8 +76,6 @@ struct FrameMap {
     /// Where files are mixed: how far the frame is from that file on the way to the next one, 0 to less than 1.
     /// Otherwise 0.
     double beyondAt(double frame) const;
-    /// How many files go by in a frame, where files are mixed; otherwise 1.
-    double filesPerFrame(double frame) const;
     /// A frame that shows file number `file`; none where no frame does.
     std::optional<int> frameOf(int file) const;
 };
@@ -193,10 +191,9 @@ struct SceneVolume {
     std::string file;    ///< file volumes: the path at this frame; empty for a source
     /// Volumes with `grids`: the patterns of all files, of which `sequence` is the first (GridEdit::files); else empty.
     std::vector<FramePath> sequences = {};
-    int frame = 0;             ///< the file number that was put into `file`
-    double beyond = 0;         ///< how far it shows what is between that file and the next one, 0 to less than 1
-    double filesPerFrame = 1;  ///< see FrameMap; velocities are those from file to file
-    FrameMap frameMap = {};    ///< how these follow from the scene's frame
+    int frame = 0;           ///< the file number that was put into `file`
+    double beyond = 0;       ///< how far it shows what is between that number and the next one, 0 to less than 1
+    FrameMap frameMap = {};  ///< how these follow from the scene's frame
     OutsidePolicy outside = OutsidePolicy::error;
     std::string source;  ///< name of a volume source; empty for a file
     /// Parameters of the source, as text; `file` is expanded as above.
@@ -225,8 +222,6 @@ struct SceneVolume {
 
     /// As scattersFully of a view's volume, which also has voxels.
     bool scattersFully() const { return classified ? classified->scatters : medium.scattering == Scattering::full; }
-    /// The factor that converts values of the velocity's grids to world units of the asset per frame of the scene.
-    double pathPerFrame(double fps) const { return velocity ? velocity->perFrame(fps) * filesPerFrame : 0; }
 };
 
 /// A solid made of triangles.

@@ -6,6 +6,7 @@
 #include <scrim/scene/read_sections.h>
 #include <scrim/scene/quality.h>
 #include <scrim/scene/toml_writer.h>
+#include <scrim/scene/volume_file.h>
 
 #include <fmt/format.h>
 
@@ -176,10 +177,23 @@ void leaveOutUnseen(Scene& scene) {
 void sweepPoints(Scene& scene) {
     for (SceneVolume& volume : scene.volumes) {
         if (!volume.velocity || volume.file.empty()) continue;
-        const double path = volume.pathPerFrame(scene.output.fps), step = volume.velocity->perFrame(scene.output.fps);
+        const double step = volume.velocity->perFrame(scene.output.fps);
         const bool carried = volume.frameMap.between == BetweenFiles::advect;
         std::vector<double> times{0};
-        if (scene.shutter) times.insert(times.end(), {scene.shutter->open * path, scene.shutter->close * path});
+        const auto include = [&](double t) {
+            const double time = step * filesWithin(volume, {}, scene.frame, t);
+            times.push_back(time);
+            // What files there are is not known yet: the sequence may be on its way back.
+            if (volume.frameMap.between != BetweenFiles::nearest && volume.outside == OutsidePolicy::pingPong)
+                times.push_back(-time);
+        };
+        if (scene.shutter) {
+            const auto [open, close] = *scene.shutter;
+            include(open);
+            include(close);
+            for (const auto& [key, number] : volume.frameMap.keys.keys)
+                if (key - scene.frame > open && key - scene.frame < close) include(key - scene.frame);
+        }
         if (carried) times.insert(times.end(), {-step, step});
         GridEdit edit = volume.edit ? *volume.edit : GridEdit();
         edit.points.open = *std::min_element(times.begin(), times.end());

@@ -81,7 +81,8 @@ struct ViewVelocity {
 struct VolumeMotion {
     /// Maps the volume's world space at this frame to that at the next one: the motion as a whole.
     Mat4 wsNextFromWs{1.0};
-    /// For each of x, y and z: density * (velocity - least), on the density's lattice. Empty: no velocity.
+    /// For each of x, y and z: density * (velocity - least), on the density's lattice. Empty: no velocity, or the
+    /// volume is seen as balls, which have their own.
     std::vector<ViewField> flow = {};
     Vec3 least{0}, most{0};   ///< the grid's smallest and largest velocity
     Mat3 wsPerVelocity{0.0};  ///< converts a velocity to a displacement per frame in world space

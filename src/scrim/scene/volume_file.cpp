@@ -4,20 +4,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
+#include <cmath>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 namespace scrim {
 namespace {
 
-/// The frame of a sequence from `first` to `last` that repeats or goes to and fro.
-int frameWithin(int frame, int first, int last, OutsidePolicy outside) {
-    const std::int64_t steps = std::int64_t{last} - first;
-    if (steps == 0) return first;
-    const std::int64_t period = outside == OutsidePolicy::repeat ? steps + 1 : 2 * steps;
-    const std::int64_t at = ((std::int64_t{frame} - first) % period + period) % period;
-    return static_cast<int>(first + (at <= steps ? at : period - at));
+/// Where a sequence is at a number that may lie outside of its ends, by a policy other than `error` and `black`.
+double placeWithin(double number, const FileEnds& ends, OutsidePolicy outside) {
+    const double first = ends[0], last = ends[1], steps = last - first;
+    if (steps == 0 || outside == OutsidePolicy::hold) return std::clamp(number, first, last);
+    const bool repeats = outside == OutsidePolicy::repeat;
+    const double period = repeats ? steps + 1 : 2 * steps;
+    const double at = number - first - period * std::floor((number - first) / period);
+    return first + (repeats || at <= steps ? at : period - at);
 }
 
 /// Looks for one file, the one number `frame` of a sequence.
@@ -34,7 +36,7 @@ VolumeFile findFile(const SceneVolume& volume, const FramePath& sequence, int fr
         found.path = sequence.at(frame < frames.front() ? frames.front() : frames.back());
     } else if (outside && !frames.empty() &&
                (volume.outside == OutsidePolicy::repeat || volume.outside == OutsidePolicy::pingPong)) {
-        const int within = frameWithin(frame, frames.front(), frames.back(), volume.outside);
+        const int within = static_cast<int>(placeWithin(frame, {frames.front(), frames.back()}, volume.outside));
         return findFile(volume, sequence, within, sequence.at(within));
     } else {
         found.state = FileState::missing;
@@ -64,17 +66,46 @@ VolumeFile findFiles(const SceneVolume& volume, int frame) {
     return found;
 }
 
+/// VolumeFile::ends. Of several sequences, those of the leading one count.
+std::optional<FileEnds> endsOf(const SceneVolume& volume) {
+    const bool within = volume.outside == OutsidePolicy::error || volume.outside == OutsidePolicy::black;
+    if (volume.frameMap.between == BetweenFiles::nearest || within) return {};
+    const std::vector<int> frames = existingFrames(leadingSequence(volume));
+    if (frames.empty()) return {};
+    return {{frames.front(), frames.back()}};
+}
+
 }  // namespace
 
 VolumeFile findVolumeFile(const SceneVolume& volume) {
     VolumeFile found = findFiles(volume, volume.frame);
+    const auto ends = endsOf(volume);
+    found.ends = ends;
     if (volume.beyond == 0 || found.state == FileState::missing) return found;
     VolumeFile next = findFiles(volume, volume.frame + 1);
     if (next.state == FileState::missing) return next;
     if (next.state == FileState::black) found.state = next.state;
-    if (found.state == FileState::present && (next.path != found.path || next.all != found.all))
-        found.next = std::make_shared<const VolumeFile>(std::move(next));
+    if (found.state != FileState::present || (next.path == found.path && next.all == found.all)) return found;
+    // Velocities lead from each file to the one whose number is higher.
+    const auto place = [&](int number) { return placeWithin(number, *ends, volume.outside); };
+    const bool back =
+        ends && volume.outside == OutsidePolicy::pingPong && place(volume.frame + 1) < place(volume.frame);
+    if (back) std::swap(found, next);
+    found.beyond = back ? 1 - volume.beyond : volume.beyond;
+    found.ends = ends;
+    found.next = std::make_shared<const VolumeFile>(std::move(next));
     return found;
+}
+
+double filesWithin(const SceneVolume& volume, const std::optional<FileEnds>& ends, double from, double t) {
+    const FrameMap& map = volume.frameMap;
+    if (map.between == BetweenFiles::nearest) return t;
+    // One that repeats goes on in the same direction.
+    const bool folds = ends && (volume.outside != OutsidePolicy::repeat || (*ends)[0] == (*ends)[1]);
+    const auto at = [&](double frame) {
+        return folds ? placeWithin(map.numberAt(frame), *ends, volume.outside) : map.numberAt(frame);
+    };
+    return at(from + t) - at(from);
 }
 
 std::vector<FramePath> sequencesOf(const SceneVolume& volume) {

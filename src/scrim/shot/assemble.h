@@ -34,7 +34,8 @@ struct VolumeFields {
     /// Where the volume moves while the shutter is open: for each of x, y and z the field of positive and the field of
     /// negative velocities (GridPart). Otherwise empty.
     std::vector<std::shared_ptr<const SparseField>> velocity = {};
-    double time = 0;  ///< displacement = time * velocity
+    double time = 0;    ///< displacement = time * velocity
+    double onward = 0;  ///< that until the next frame = onward * velocity
     /// Where the volume lies between two files: the fields of both that the others were made from, if they are kept.
     std::vector<std::shared_ptr<const SparseField>> sources = {};
     /// Why the picture has no use for the volume, which then may not be loaded; empty: it is used.

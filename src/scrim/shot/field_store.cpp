@@ -364,7 +364,7 @@ class FieldStore::GridsOf {
         if (!file.next) return;
         m_next = store.originOf(volume, *file.next);
         BetweenMoment moment;
-        moment.part = volume.beyond;
+        moment.part = file.beyond;
         if (isCarried(volume, file)) {
             moment.time = volume.velocity->perFrame(fps);
             for (int axis = 0; axis < 3; ++axis)

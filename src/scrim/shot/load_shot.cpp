@@ -130,7 +130,7 @@ ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf v
     ViewScene view =
         assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf, levels.get());
     view.solids = solids;
-    if (wantsMotion(turned)) addMotion(view, turned, nextAt(0), fields);
+    if (wantsMotion(turned)) addMotion(view, turned, nextAt(0), fieldsAt(0));
     return view;
 }
 
@@ -163,7 +163,14 @@ Scene LoadedShot::nextAt(double t) const {
 Fields LoadedShot::fieldsAt(double t) const {
     Fields out = fields;
     for (std::size_t i = 0; i < out.size(); ++i)
-        if (scene.volumes[i].velocity) out[i].time = t * scene.volumes[i].pathPerFrame(scene.output.fps);
+        if (const SceneVolume& volume = scene.volumes[i]; volume.velocity) {
+            const auto path = [&](double moment) {
+                return volume.velocity->perFrame(scene.output.fps) *
+                       filesWithin(volume, files[i].ends, scene.frame, moment);
+            };
+            out[i].time = path(t);
+            out[i].onward = path(t + 1) - path(t);
+        }
     return out;
 }
 

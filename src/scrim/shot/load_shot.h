@@ -47,7 +47,8 @@ struct LoadedShot {
     Scene sceneAt(double t) const;
     /// The scene one frame after that, as far as its text tells: camera and places of volumes.
     Scene nextAt(double t) const;
-    /// The fields with the time by which velocities move them.
+    /// The fields with the times by which velocities move them until `t` frames after the frame, and in the frame
+    /// after.
     Fields fieldsAt(double t) const;
 
     /// The scene `t` frames after the frame, with its fields where the files have them and without the data of the

@@ -136,6 +136,22 @@ class UsualWays {
     std::pair<double, double> m_outlier{0, 0};
 };
 
+// How long the ways by velocities are at these moments, one after the other, over how far they lead from the places at
+// the frame: 1 from there straight on, 2 to and fro.
+double waysPerReach(const std::vector<Fields>& moments) {
+    double most = 1;
+    for (std::size_t v = 0; v < moments.front().size(); ++v) {
+        double way = 0, reach = 0;
+        for (std::size_t i = 0; i < moments.size(); ++i) {
+            reach = std::max(reach, std::abs(moments[i][v].time));
+            if (i > 0) way += std::abs(moments[i][v].time - moments[i - 1][v].time);
+        }
+        constexpr double kRounding = 1e-9;
+        if (way > (1 + kRounding) * reach) most = std::max(most, way / reach - kRounding);
+    }
+    return most;
+}
+
 }  // namespace
 
 // The views of a shot at any moment. What does not depend on the moment is made once.
@@ -282,7 +298,10 @@ Scene ShotMotion::sceneAt(const Moment& moment) const {
 ViewScene ShotMotion::viewAt(const Moment& moment) const {
     const Scene at = sceneAt(moment);
     ViewScene view = m_moments->moved(moment, at);
-    if (wantsMotion(at)) addMotion(view, at, seenFrom(moment.lens, m_shot.nextAt(moment.time)), m_shot.fields);
+    if (wantsMotion(at)) {
+        const Scene next = seenFrom(moment.lens, m_shot.nextAt(moment.time));
+        addMotion(view, at, next, m_shot.fieldsAt(moment.time));
+    }
     return view;
 }
 
@@ -314,16 +333,21 @@ double ShotMotion::longestPath() {
     const int moments = m_moves ? 9 : 2;  // a lens alone needs what is the same at all of them
     std::vector<Places> places;
     UsualWays usual;
+    std::vector<Fields> fields;
     for (int i = 0; i < moments; ++i) {
         const double part = static_cast<double>(i) / (moments - 1);
-        const ViewScene view = m_moments->inPlace((1 - part) * m_shutter.open + part * m_shutter.close);
+        const double t = (1 - part) * m_shutter.open + part * m_shutter.close;
+        const ViewScene view = m_moments->inPlace(t);
         places.push_back(pointsOf(view));
-        if (i == 0 || i == moments - 1) usual.include(view);
+        usual.include(view);
+        fields.push_back(m_shot.fieldsAt(t));
     }
     const std::pair<double, double> outlier = usual.outlier();
     double wsWay = usual.longest();  // displacement by velocities
+    double turns = 1;
     if (m_shutter.open < 0 && m_shutter.close > 0)
-        wsWay *= (m_shutter.close - m_shutter.open) / std::max(-m_shutter.open, m_shutter.close);
+        turns = (m_shutter.close - m_shutter.open) / std::max(-m_shutter.open, m_shutter.close);
+    wsWay *= std::max(turns, waysPerReach(fields));
     const Bounds box = boundsOf(places.front().ws);
     if (box.empty()) return 0;
     const double least = 1e-3 * glm::length(box.size());

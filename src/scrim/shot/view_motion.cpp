@@ -36,14 +36,15 @@ void addMotion(ViewScene& view, const Scene& now, const Scene& next, const Field
     for (ViewVolume& volume : view.volumes) {
         const auto i = std::size_t(volume.place);
         const SceneVolume &own = now.volumes[i], &later = next.volumes[i];
-        const bool flows =
-            own.velocity && fields[i].velocity.size() == 6 && !volume.classified && !volume.field->empty();
+        const bool ballsFlow = volume.balls && !volume.balls->velocity.empty();
+        const bool fieldFlows = !volume.balls && fields[i].velocity.size() == 6 && !volume.field->empty();
+        const bool flows = own.velocity && fields[i].onward != 0 && !volume.classified && (ballsFlow || fieldFlows);
         if (!flows && own.wsFromAsset == later.wsFromAsset) continue;
         auto motion = std::make_shared<VolumeMotion>();
         motion->wsNextFromWs = later.wsFromAsset * glm::inverse(own.wsFromAsset);
         if (flows) {
-            motion->wsPerVelocity = own.pathPerFrame(now.output.fps) * Mat3(later.wsFromAsset);
-            addFlow(volume, own, fields[i].velocity, *motion);
+            motion->wsPerVelocity = fields[i].onward * Mat3(later.wsFromAsset);
+            if (fieldFlows) addFlow(volume, own, fields[i].velocity, *motion);
         }
         for (const ViewField& field : motion->flow) bytes += field.field->bytes();
         volume.motion = std::move(motion);

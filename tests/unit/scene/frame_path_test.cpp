@@ -125,8 +125,10 @@ class VolumeFileTest : public ::testing::Test {
     VolumeFileTest() {
         for (const int frame : {2, 3, 5}) touch(m_folder.file("a." + std::to_string(frame) + ".vdb"));
     }
-    VolumeFile find(int frame, OutsidePolicy outside) const {
+    VolumeFile find(int frame, OutsidePolicy outside, double beyond = 0) const {
         SceneVolume volume;
+        volume.beyond = beyond;
+        if (beyond > 0) volume.frameMap.between = BetweenFiles::blend;
         volume.name = "plume";
         volume.where = "scene.toml:4:8";
         volume.sequence = {m_folder.path(), "a.#.vdb"};
@@ -176,6 +178,27 @@ TEST_F(VolumeFileTest, SequencesRepeatOrGoToAndFro) {
     for (const int frame : {2, 4}) std::filesystem::remove(m_folder.file("a." + std::to_string(frame) + ".vdb"));
     for (const auto outside : {OutsidePolicy::repeat, OutsidePolicy::pingPong})
         EXPECT_EQ(find(99, outside).path, m_folder.file("a.5.vdb")) << "a sequence of one file";
+}
+
+// Smoke goes from a file to the one after it, also where the sequence is seen backwards.
+TEST_F(VolumeFileTest, BothFilesBetweenWhichAVolumeLiesAreInTheirOwnOrder) {
+    touch(m_folder.file("a.4.vdb"));
+    // Files 2 to 5, for frames 0.25 to 12.25.
+    const auto shown = [&](OutsidePolicy outside) {
+        std::string files;
+        for (int frame = 0; frame <= 12; ++frame) {
+            const VolumeFile found = find(frame, outside, 0.25);
+            const auto number = [](const VolumeFile& file) { return file.path.substr(file.path.size() - 5, 1); };
+            EXPECT_EQ(found.state, FileState::present) << frame;
+            files += number(found) + (found.next ? number(*found.next) : "") + (found.beyond == 0.75 ? "* " : " ");
+            EXPECT_TRUE(found.beyond == (found.next ? 0.25 : 0.0) || files.ends_with("* ")) << frame;
+        }
+        return files;
+    };
+    EXPECT_EQ(shown(OutsidePolicy::pingPong), "34* 23* 23 34 45 45* 34* 23* 23 34 45 45* 34* ");
+    EXPECT_EQ(shown(OutsidePolicy::repeat), "45 52 23 34 45 52 23 34 45 52 23 34 45 ");
+    EXPECT_EQ(shown(OutsidePolicy::hold), "2 2 23 34 45 5 5 5 5 5 5 5 5 ");
+    EXPECT_EQ(find(5, OutsidePolicy::black, 0.25).state, FileState::black);
 }
 
 TEST_F(VolumeFileTest, AGapIsALostFileWhateverThePolicy) {

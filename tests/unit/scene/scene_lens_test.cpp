@@ -5,6 +5,7 @@
 
 #include <scrim/geometry/camera.h>
 #include <scrim/scene/scene_reader.h>
+#include <scrim/scene/volume_file.h>
 
 #include <gtest/gtest.h>
 
@@ -231,12 +232,53 @@ TEST(SceneRetiming, KnowsBothFilesBetweenWhichANumberLies) {
     const std::string keys = "keys = [[1, 1], [11, 6], [21, 6]], between = \"blend\"";
     EXPECT_EQ(volumeAt(keys, 4).frame, 2);
     EXPECT_EQ(volumeAt(keys, 4).beyond, 0.5);
-    EXPECT_NEAR(volumeAt(keys, 4).filesPerFrame, 0.5, 1e-12);
-    EXPECT_NEAR(volumeAt(keys, 15).filesPerFrame, 0, 1e-12);
-    EXPECT_EQ(volumeAt("speed = 0.5", 7).filesPerFrame, 1);
+    EXPECT_NEAR(filesWithin(volumeAt(keys, 4), {}, 4, 1), 0.5, 1e-12);
+    EXPECT_NEAR(filesWithin(volumeAt(keys, 4), {}, 4, -0.5), -0.25, 1e-12);
+    EXPECT_NEAR(filesWithin(volumeAt(keys, 11), {}, 11, 1), 0, 1e-12);
+    EXPECT_NEAR(filesWithin(volumeAt(keys, 11), {}, 11, -1), -0.5, 1e-12);
+    EXPECT_EQ(filesWithin(volumeAt("speed = 0.5", 7), {}, 7, 1), 1);
     EXPECT_EQ(errorOf(kCamera + kVolume + "frame = { speed = 0.5, between = \"advect\" }\n"),
               "scene.toml:6:9: 'between' carries grids by their velocity, and [[volume]] 'volume1' has no 'velocity'; "
               "expected one beside it");
+}
+
+TEST(SceneRetiming, CountsTheFilesThatGoByWhereASequenceEndsTurnsOrStartsAgain) {
+    const auto within = [](OutsidePolicy outside, double frame, double t, double speed = 1,
+                           BetweenFiles between = BetweenFiles::advect) {
+        SceneVolume volume;
+        volume.frameMap = FrameMap{speed, 0, {}, between};
+        volume.outside = outside;
+        return filesWithin(volume, FileEnds{1, 4}, frame, t);
+    };
+    // It goes to and fro: 1 2 3 4 3 2 1 2 from frame 1 on.
+    constexpr auto kPingPong = OutsidePolicy::pingPong;
+    EXPECT_EQ(within(kPingPong, 3, 1), 1);
+    EXPECT_EQ(within(kPingPong, 4, 1), -1);
+    EXPECT_EQ(within(kPingPong, 5.5, 1), -1);
+    EXPECT_EQ(within(kPingPong, 5.5, -0.5), 0.5);
+    EXPECT_EQ(within(kPingPong, 7, 1), 1);
+    EXPECT_EQ(within(kPingPong, 0, 1), -1);
+    EXPECT_EQ(within(kPingPong, 4, -0.5), -0.5);  // around a turn it is on the same side before and after it
+    EXPECT_EQ(within(kPingPong, 4, 0.5), -0.5);
+    EXPECT_EQ(within(kPingPong, 3.75, 1), -0.5);
+    EXPECT_EQ(within(kPingPong, 10, 1, 0.5), -0.5);  // number 5
+    EXPECT_EQ(within(kPingPong, -5, 1, -1), 1);      // from number 5 to 4, which are files 3 and 4
+    EXPECT_EQ(within(kPingPong, -8, 1, -1), -1);
+    EXPECT_EQ(within(OutsidePolicy::hold, 3.75, 1), 0.25);
+    EXPECT_EQ(within(OutsidePolicy::hold, 4, 1), 0);
+    EXPECT_EQ(within(OutsidePolicy::hold, 4, -1), -1);
+    EXPECT_EQ(within(OutsidePolicy::hold, 0.5, 1), 0.5);
+    EXPECT_EQ(within(OutsidePolicy::hold, -3, 1), 0);
+    // The first file comes after the last one.
+    EXPECT_EQ(within(OutsidePolicy::repeat, 4, 1), 1);
+    EXPECT_EQ(within(OutsidePolicy::repeat, 9.5, 0.5), 0.5);
+    EXPECT_EQ(within(kPingPong, 5, 1, 1, BetweenFiles::nearest), 1);
+    SceneVolume one;
+    one.frameMap.between = BetweenFiles::blend;
+    for (const auto outside : {OutsidePolicy::hold, OutsidePolicy::repeat, kPingPong}) {
+        one.outside = outside;
+        EXPECT_EQ(filesWithin(one, FileEnds{3, 3}, 3, 1), 0) << "a single file stands still";
+    }
 }
 
 TEST(SceneRetiming, KnowsAFrameThatShowsAFile) {

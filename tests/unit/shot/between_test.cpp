@@ -278,6 +278,56 @@ TEST_F(Between, FilesBlurTheSameBetweenThem) {
     EXPECT_LT(difference(picture(2, {between("advect"), kCarried, shutter, samples}), truth), 0.02);
 }
 
+// Two files, to and fro: file 1, half-way, file 2, half-way, file 1. Backwards it is seen and blurred as a sequence of
+// negative speed is.
+TEST_F(Between, FilesThatTurnBackGoTheWayTheyCame) {
+    const auto blob = [](const Vec3& x, double t) {
+        const Vec3 own = x - Vec3(8 * (t - 1.5), 0, 0);
+        return std::exp(-dot(own, own) / 12);
+    };
+    writeSmoke(2, blob, [](const Vec3&) { return Vec3(8, 0, 0); });
+    const std::string there = between("advect"), toAndFro = "volume.smoke.frame.outside=\"ping-pong\"";
+    EXPECT_EQ(picture(4, {there, toAndFro, kCarried}).rgba, picture(2, {there, kCarried}).rgba);
+    EXPECT_EQ(picture(6, {there, toAndFro, kCarried}).rgba, picture(2, {there, kCarried}).rgba);
+
+    const std::string back = "volume.smoke.frame={between=\"advect\",speed=-0.5,offset=3.5}";
+    const auto blurred = [&](int frame, const std::string& open, const std::string& how, const std::string& outside,
+                             int samples = 8) {
+        return picture(frame, {how, outside, kCarried, "camera.shutter=[" + open + "]",
+                               "render.shutter_samples=" + std::to_string(samples)});
+    };
+    for (const int frame : {3, 4})
+        EXPECT_LT(difference(blurred(frame, "0,1", there, toAndFro), blurred(frame, "0,1", back, toAndFro)), 1e-5)
+            << frame;
+    EXPECT_LT(difference(blurred(5, "0,1", there, toAndFro), blurred(1, "0,1", there, toAndFro)), 1e-5);
+    // It comes to the turn and leaves it on the same side, so that each place is seen twice.
+    EXPECT_LT(difference(blurred(3, "-1,1", there, toAndFro), blurred(3, "0,1", back, toAndFro, 4)), 1e-5);
+    // What is held stands still.
+    const std::string held = "volume.smoke.frame.outside=\"hold\"";
+    EXPECT_LT(difference(blurred(4, "0,1", there, held), picture(3, {there, kCarried})), 1e-5);
+}
+
+TEST_F(Between, FilesThatTurnBackMoveBackInTheLayerOfMotion) {
+    const auto blob = [](const Vec3& x, double t) {
+        const Vec3 own = x - Vec3(8 * (t - 1.5), 0, 0);
+        return std::exp(-dot(own, own) / 12);
+    };
+    writeSmoke(2, blob, [](const Vec3&) { return Vec3(8, 0, 0); });
+    const auto motion = [&](const std::string& outside, int frame, int x) {
+        const ShotFrame shown = open({between("advect"), "volume.smoke.frame.outside=\"" + outside + "\"", kCarried,
+                                      "output.layers=[\"motion\"]"})
+                                    .render(frame, {});
+        return shown.layer("motion").data[2 * std::size_t(24 * 48 + x)];
+    };
+    EXPECT_NEAR(motion("ping-pong", 2, 24), 4, 0.01);
+    EXPECT_NEAR(motion("ping-pong", 3, 28), -4, 0.01);
+    EXPECT_NEAR(motion("ping-pong", 4, 24), -4, 0.01);
+    EXPECT_NEAR(motion("ping-pong", 5, 20), 4, 0.01);
+    EXPECT_NEAR(motion("hold", 2, 24), 4, 0.01);
+    EXPECT_EQ(motion("hold", 3, 28), 0);
+    EXPECT_EQ(motion("hold", 4, 28), 0);
+}
+
 // Both files stay for the next frame, and count. Where that takes more than half of the limit, they go, and are read
 // again.
 TEST_F(Between, FilesOfBothSidesStayAsFarAsTheMemoryLimitAllows) {

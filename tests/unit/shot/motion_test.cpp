@@ -236,6 +236,27 @@ TEST_F(MotionBlur, HasALayerOfTheWayUntilTheNextFrame) {
     EXPECT_EQ(Pixels(motion({slow, kShutter, samples(4)})), Pixels(3 * (1 + 1 + 0.875f + 0.625f) / 4, 0));
 }
 
+// Points that are seen by themselves go their own ways.
+TEST_F(MotionBlur, HasALayerOfTheWayOfEachPoint) {
+    std::string ply = "ply\nformat ascii 1.0\nelement vertex 2\n";
+    for (const std::string name : {"x", "y", "z", "radius", "vx", "vy", "vz"}) ply += "property float " + name + "\n";
+    writeBytes(file("sparks.ply"), ply + "end_header\n-4 0 0 1 2 0 0\n4 0 0 1 -1 0.5 0\n");
+    const std::vector<std::string> sparks{"volume.block.file=\"sparks.ply\"", "volume.block.points={sharp=true}",
+                                          "volume.block.density={grid=\"points\",scale=2}", kVelocity,
+                                          "output.layers=[\"motion\"]"};
+    for (const bool blurred : {false, true}) {
+        std::vector<std::string> overrides = sparks;
+        if (blurred) overrides.insert(overrides.end(), {kShutter, samples(2)});
+        const ShotFrame frame = render(overrides);
+        const auto motion = [&](int x) { return frame.layer("motion").data.data() + 2 * (16 * 32 + x); };
+        EXPECT_NEAR(motion(8)[0], 4, 1e-3) << blurred;
+        EXPECT_NEAR(motion(8)[1], 0, 1e-3) << blurred;
+        EXPECT_NEAR(motion(24)[0], -2, 1e-3) << blurred;
+        EXPECT_NEAR(motion(24)[1], 1, 1e-3) << blurred;
+        EXPECT_EQ(motion(16)[0], 0) << blurred;
+    }
+}
+
 // A render of one moment is not the mean over the shutter, and the reference, which is, tells. From 4 to 8 to 16
 // samples errors of a smooth integrand are of second order; edges of a voxel's width take some of it off.
 TEST_F(MotionBlur, IsJudgedByAReferenceThatSeesAllOfTheShutter) {

@@ -10,6 +10,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <tuple>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -20,7 +21,8 @@ namespace {
 constexpr double kSmall = 0.5;  // pixels; the radius of the largest ball that is one point
 constexpr double kStep = 0.5;   // pixels; of the points of a way
 // Pixels; the width of rings, and the distance of points along them. Where they are by chance closer, a pixel of an
-// opaque ball would hide more than everything, by up to 2.5 %, which is lost: up to 0.2 % of the ball.
+// opaque ball would hide more than everything, and send more than the ball does, by up to 2.5 %. That is lost: up to
+// 0.2 % of the ball.
 constexpr double kRing = 0.25;
 constexpr int kMostSteps = 1 << 12;       // of a ball along its way
 constexpr double kMostRings = 1 << 12;    // a ball larger than this, in half pixels, is drawn coarser
@@ -112,6 +114,12 @@ struct BallSheets::Ball {
     float n;           // in sheets
     float hides;       // h of its profile; of a disc its opacity
     std::uint32_t kind, index;
+};
+
+// What the balls of a pixel, from the front of a sheet to one of them, do in each colour.
+struct BallSheets::Mixed {
+    std::array<Real, 3> hidden{};  // their opacity
+    std::array<Real, 3> lost{};    // the share of what the rest of the sheet sends that they hide
 };
 
 // A volume of balls.
@@ -291,7 +299,8 @@ ShadeWork BallSheets::shade(std::size_t first, std::size_t last, int plane) {
     const double middle = m_firstSheet + plane + 0.5;
     SampleTile samples;
     SheetShader::GivenRows rows;
-    rows.resize(kind.scatter.size(), kind.emission.size());
+    const bool flows = m_layout.motion && !kind.velocity.empty();
+    rows.resize(kind.scatter.size(), kind.emission.size(), flows ? 3 : 0);
     std::array<Real, kTileSize> scale;
     for (std::size_t k = 0; k < kTileSize; ++k) {
         const Ball& ball = m_balls[std::min(first + k, last - 1)];
@@ -315,6 +324,9 @@ ShadeWork BallSheets::shade(std::size_t first, std::size_t last, int plane) {
                 density > 0 ? rows.extinction[k] * static_cast<Real>(double(kind.scatter[c][ball.index]) / density) : 0;
         for (std::size_t e = 0; e < kind.emission.size(); ++e)
             rows.emission[e].values[k] = static_cast<Real>(thin * chord * double(kind.emission[e][ball.index]) / path);
+        const Vec3 velocity = flows ? kind.velocityOf(ball.index) : Vec3(0);
+        for (int axis = 0; flows && axis < 3; ++axis)
+            rows.velocity[std::size_t(axis)].values[k] = static_cast<Real>(velocity[axis]);
     }
     m_eye.setDepth(middle, samples);
     samples.spacing = m_eye.pixelSpacing(middle);
@@ -359,7 +371,14 @@ void BallSheets::listTiles(int count) {
                     m_entries.emplace_back(at, static_cast<std::uint32_t>(i - m_firstBall));
                 }
         }
-    std::sort(m_entries.begin(), m_entries.end());
+    // Those of a sheet from its front on, as the eye sees them.
+    const auto depthOf = [&](const auto& entry) {
+        const float n = m_balls[m_firstBall + entry.second].n;
+        return m_frontToBack ? n : -n;
+    };
+    std::sort(m_entries.begin(), m_entries.end(), [&](const auto& a, const auto& b) {
+        return std::tuple(a.first, depthOf(a), a.second) < std::tuple(b.first, depthOf(b), b.second);
+    });
 }
 
 // Calls add(pixel of the tile, shares) for the pixels that see a ball, perhaps several times: the integral of its
@@ -412,23 +431,46 @@ void BallSheets::draw(const Ball& ball, int tile, const Add& add) const {
     }
 }
 
-// Adds a ball, of which `shares` are seen, to what else a pixel sees of the sheet. Between the two faces of the sheet
-// the rest is even: `infront` of it is in front of the ball, and hides it; the ball hides what is behind.
-void BallSheets::addPixel(const Ball& ball, const Real* own, const Real* shares, Real* sample) const {
+// Adds a ball, of which `shares` are seen, to those in front of it. The rest of the sheet is even between its two
+// faces: `infront` of it is in front of the ball, and hides it; the ball hides what is behind. `rest` is the rest's
+// sample.
+void BallSheets::addBall(const Ball& ball, const Real* own, const Real* shares, const Real* rest, Mixed& mixed,
+                         Real* sums) const {
     const int last = m_layout.floats() - 4;
     const auto beyond = static_cast<Real>(double(ball.n) - std::floor(double(ball.n)));
     const Real infront = m_frontToBack ? beyond : 1 - beyond;
-    std::array<Real, 3> hidden;
     for (int c = 0; c < 3; ++c) {
         const int at = last + (m_layout.coloured ? c : 3);
-        const Real share = shares[m_layout.coloured ? c : 0];
-        const Real there = std::clamp(-sample[at], Real(0), Real(1));
-        const Real hides = std::clamp(-own[at] * share, Real(0), Real(1));
-        const Real passes = there > 0 ? std::pow(1 - there, infront) : Real(1);
-        const Real keeps = 1 - hides * (1 - infront);
+        const Real there = std::clamp(-rest[at], Real(0), Real(1));
+        // What the rest in front hides, 1 - (1 - there)^infront, and how much of the rest's light is from behind: of
+        // `there` the part (1 - there)^infront - (1 - there).
+        Real hiding = 0, behind = 1 - infront;
+        if (there > 0 && infront > 0) {
+            hiding = -std::expm1(infront * std::log1p(-there));
+            behind = 1 - hiding / there;
+        }
+        Real share = shares[m_layout.coloured ? c : 0];
+        Real hides = -own[at] * share;
+        if (hides > 1) share /= hides;  // see kRing
+        hides = std::clamp(hides, Real(0), Real(1));
+        Real& hidden = mixed.hidden[std::size_t(c)];
+        const Real passes = 1 - hidden;
         for (int q = 0; q < m_layout.outputQuads(); ++q)
-            sample[4 * q + c] = sample[4 * q + c] * keeps + own[4 * q + c] * share * passes;
-        hidden[std::size_t(c)] = there + hides - there * hides;
+            sums[4 * q + c] += own[4 * q + c] * share * ((1 - hiding) * passes);
+        mixed.lost[std::size_t(c)] += hides * passes * behind;
+        hidden += hides * passes;
+    }
+}
+
+// Adds the balls of a pixel to its sample of the rest.
+void BallSheets::mix(const Mixed& mixed, const Real* sums, Real* sample) const {
+    const int last = m_layout.floats() - 4;
+    std::array<Real, 3> hidden;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const Real there = std::clamp(-sample[std::size_t(last) + (m_layout.coloured ? c : 3)], Real(0), Real(1));
+        for (std::size_t q = 0; q < std::size_t(m_layout.outputQuads()); ++q)
+            sample[4 * q + c] = sample[4 * q + c] * (1 - mixed.lost[c]) + sums[4 * q + c];
+        hidden[c] = there + (1 - there) * mixed.hidden[c];
     }
     if (!m_layout.coloured) {
         for (int q = 0; q <= last; q += 4) sample[q + 3] = -hidden[0];
@@ -442,35 +484,49 @@ void BallSheets::addTo(int sheet, int tile, const Limits& limits, Real* samples)
     const std::uint64_t at = std::uint64_t(sheet - m_firstSheet) * std::uint64_t(tileCount()) + std::uint64_t(tile);
     const auto less = [](const auto& entry, std::uint64_t key) { return entry.first < key; };
     const auto floats = std::size_t(m_layout.floats());
-    std::array<std::array<Real, 3>, kTileSize> sums;
-    std::array<std::uint8_t, kTileSize> seen{};
-    std::array<int, kTileSize> pixels;
+    std::array<std::array<Real, 3>, kTileSize> shares;
+    std::array<std::uint8_t, kTileSize> seen{}, known{};
+    std::array<int, kTileSize> pixels, all;
+    std::array<Mixed, kTileSize> mixed;
+    std::size_t allCount = 0;
+    thread_local std::vector<Real> sums;  // of each pixel
+    if (sums.size() < kTileSize * floats) sums.resize(kTileSize * floats);
     for (auto entry = std::lower_bound(m_entries.begin(), m_entries.end(), at, less);
          entry != m_entries.end() && entry->first == at; ++entry) {
         const Ball& ball = m_balls[m_firstBall + entry->second];
         const Real* const own = m_samples.data() + std::size_t(entry->second) * floats;
         std::size_t count = 0;
-        draw(ball, tile, [&](int k, Real part, const std::array<Real, 3>& shares) {
-            std::array<Real, 3>& sum = sums[std::size_t(k)];
+        draw(ball, tile, [&](int k, Real part, const std::array<Real, 3>& profile) {
+            std::array<Real, 3>& share = shares[std::size_t(k)];
             if (seen[std::size_t(k)] == 0) {
                 seen[std::size_t(k)] = 1;
                 pixels[count++] = k;
-                sum = {};
+                share = {};
             }
-            for (std::size_t c = 0; c < 3; ++c) sum[c] += part * shares[c];
+            for (std::size_t c = 0; c < 3; ++c) share[c] += part * profile[c];
         });
         const Real n = static_cast<Real>(double(ball.n) - limits.block - 0.5);
         for (std::size_t i = 0; i < count; ++i) {
-            const int k = pixels[i];
-            seen[std::size_t(k)] = 0;
+            const auto k = std::size_t(pixels[i]);
+            seen[k] = 0;
             const Real near = m_frontToBack ? limits.starts[k] : -limits.starts[k], depth = m_frontToBack ? n : -n;
             if (depth < near) continue;
             if (limits.ends && depth > (m_frontToBack ? limits.ends[k] : -limits.ends[k])) continue;
-            std::array<Real, 3>& sum = sums[std::size_t(k)];
             if (limits.seen)
-                for (Real& share : sum) share *= limits.seen(k, n);
-            addPixel(ball, own, sum.data(), samples + std::size_t(k) * floats);
+                for (Real& share : shares[k]) share *= limits.seen(pixels[i], n);
+            Real* const sum = sums.data() + k * floats;
+            if (known[k] == 0) {
+                known[k] = 1;
+                all[allCount++] = pixels[i];
+                mixed[k] = {};
+                std::fill_n(sum, floats, Real(0));
+            }
+            addBall(ball, own, shares[k].data(), samples + k * floats, mixed[k], sum);
         }
+    }
+    for (std::size_t i = 0; i < allCount; ++i) {
+        const auto k = std::size_t(all[i]);
+        mix(mixed[k], sums.data() + k * floats, samples + k * floats);
     }
 }
 

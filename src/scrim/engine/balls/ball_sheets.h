@@ -56,7 +56,7 @@ class BallSheets {
         std::function<Real(int k, Real n)> seen = {};
     };
     /// Adds the balls of a sheet to a tile's samples of what else is in it, as if that were mixed evenly: a ball is
-    /// seen through the part of it that lies in front of the ball.
+    /// seen through the part of it that lies in front of the ball, and through the balls before it.
     void addTo(int sheet, int tile, const Limits& limits, Real* samples) const;
 
     std::uint64_t count() const;
@@ -67,6 +67,7 @@ class BallSheets {
   private:
     struct Ball;
     struct Kind;
+    struct Mixed;
     std::size_t tileCount() const { return std::size_t(m_tilesX) * std::size_t(m_tilesY); }
     Box2<int> tilesIn(const Box2<double>& positions) const;
     void place(const ViewScene& scene, const Sheets& sheets, int n, std::size_t kind, std::vector<Ball>& all) const;
@@ -75,7 +76,9 @@ class BallSheets {
     void listTiles(int count);
     template <class Add>
     void draw(const Ball& ball, int tile, const Add& add) const;
-    void addPixel(const Ball& ball, const Real* own, const Real* shares, Real* sample) const;
+    void addBall(const Ball& ball, const Real* own, const Real* shares, const Real* rest, Mixed& mixed,
+                 Real* sums) const;
+    void mix(const Mixed& mixed, const Real* sums, Real* sample) const;
 
     const GroupPlan& m_group;
     const EyeView& m_eye;

@@ -82,6 +82,11 @@ HWY_ATTR void noteDepth(FirstDepth& first, Real hides, Real depth, Real signedSt
             if (-hides > kLeastVisible) first = {depth, opticalDepth(hides), 0, depth};
         } else if (first.last != 0) {
             const Real tau = opticalDepth(hides);
+            if (tau == 0) {
+                // Whether an empty sheet is walked depends on what else is in the picture, so it must not round.
+                first.last = 0;
+                return;
+            }
             const bool second = first.after == 0;
             if (adjoins && second) first.depth = beginOf(first.next, tau, 0, depth - step, step);
             if (adjoins && !second) first.depth = beginOf(first.next, first.after, tau, depth - 2 * step, step);

@@ -20,6 +20,7 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const LevelSh
     m_holdouts = std::ranges::any_of(scene.volumes, &ViewVolume::holdout);
     addMedium(scene, plan, {0, &m_ballVolume, volume.holdout, !volume.balls->scatter.empty()});
     finishVolumes(scene, cellLight);
+    m_ballsFlow = m_motion && !volume.balls->velocity.empty();
 }
 
 void SheetShader::shadeGiven(int p, const SampleTile& samples, const GivenRows& given, Real* out,
@@ -37,6 +38,7 @@ void SheetShader::shadeGiven(int p, const SampleTile& samples, const GivenRows& 
     addSeen(m_mediumVolumes[0], given.extinction, rows);
     for (std::size_t c = 0; c < given.scatter.size(); ++c) copy(given.scatter[c].values, rows.scatter[c]);
     for (std::size_t e = 0; e < given.emission.size(); ++e) copy(given.emission[e].values, rows.emission[e]);
+    for (std::size_t axis = 0; m_ballsFlow && axis < 3; ++axis) copy(given.velocity[axis].values, rows.flow[axis]);
     addWithinSheet(p, samples, given, rows);
     addCoarserShadows(p, samples, rows);
     addFinerShadows(p, samples, rows);

@@ -73,6 +73,8 @@ void ScreenMotion::fill(double middle, const SampleTile& samples, std::span<cons
                 next += std::clamp(volume.least[axis] + more, volume.least[axis], volume.most[axis]) *
                         volume.rasterFromFlow[axis];
             }
+            for (int axis = 0; axis < 3 && part.velocity[0]; ++axis)
+                next += double(part.velocity[std::size_t(axis)][k]) * volume.rasterFromFlow[axis];
             if (!(next.w > 0)) continue;
             x += extinction * (next.x / next.w - now.x / now.w);
             y += extinction * (next.y / next.w - now.y / now.w);

@@ -510,6 +510,7 @@ void SheetShader::fillMotion(int p, const SampleTile& samples, Rows& rows) const
         const ExtinctionSum::Volume& volume = *m_mediumVolumes[i].volume;
         ScreenMotion::Part& part = parts.emplace_back(ScreenMotion::Part{volume.sceneVolume, rows.medium[i].values});
         for (int c = 0; volume.flow[0] && c < 3; ++c) part.flow[c] = rows.flow[3 * i + c].values;
+        for (int c = 0; m_ballsFlow && c < 3; ++c) part.velocity[c] = rows.flow[3 * i + c].values;
     }
     for (const SheetSurface& surface : rows.surfaces) parts.push_back({surface.sceneVolume, surface.extinction});
     m_motion->fill(m_lights.onSheet(p).sheet + 0.5, samples, parts, rows.motion[0].values, rows.motion[1].values);

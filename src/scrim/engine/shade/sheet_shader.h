@@ -38,9 +38,11 @@ class SheetShader {
         Real behind[kTileSize];     ///< how far behind the sheet's first face they are, sheets
         std::vector<Row> scatter;   ///< three where the albedo is a grid, else none
         std::vector<Row> emission;  ///< one for each of ViewBalls::emission
-        void resize(std::size_t scatters, std::size_t emissions) {
+        std::vector<Row> velocity;  ///< three where the layer `motion` needs them, else none
+        void resize(std::size_t scatters, std::size_t emissions, std::size_t axes) {
             scatter.resize(scatters);
             emission.resize(emissions);
+            velocity.resize(axes);
         }
     };
     /// Shades balls. The light that arrives at each has passed what is in the sheet before it.
@@ -124,6 +126,7 @@ class SheetShader {
     std::vector<Seen> m_mediumVolumes, m_surfaceVolumes;
     std::vector<std::pair<int, const ExtinctionSum::Emission*>> m_emissions;  // with their levels
     bool m_ofBalls = false;
+    bool m_ballsFlow = false;            // they have velocities, and the layer `motion` needs them
     ExtinctionSum::Volume m_ballVolume;  // only of balls
     std::vector<ExtinctionSum::Emission> m_ballEmissions;
     // The light on cells that the group shows, and where it is looked up.
