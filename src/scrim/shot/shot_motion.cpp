@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/engine/shared_light.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/geometry/even_points.h>
 #include <scrim/scene/field_rays.h>
@@ -470,16 +471,23 @@ double ShotMotion::wantedSamples(double error, double most) const {
     const Moments moments(m_shot, m_options, std::max(kPilotVoxel / scale, m_shot.scene.dials.lod.value_or(0)),
                           middle());
     const ProgressSink waits = partOf(m_options.progress, 0, 0);
+    const auto pilotAt = [&](const Moment& moment) {
+        ViewScene coarse = moments.moved(moment, sceneAt(moment));
+        coarse.dials = *presetDials(presetNames().front());
+        const bool backdrop = wants(coarse, Layer::backdrop);
+        ViewScene pilot = pilotView(std::move(coarse), kPilotEdge);
+        if (backdrop) pilot.layers = {Layer::backdrop};  // a lamp that is seen is blurred, too
+        return pilot;
+    };
+    const ViewScene inMiddle = pilotAt({middle(), Vec2(0), m_shutter.close - m_shutter.open});
+    const Plan middlePlan = makePlan(inMiddle, threadCount(), waits);
+    SharedLight light(inMiddle, middlePlan);
     const auto picture = [&](int count) {
         MeanFrame mean(count);
         for (int i = 0; i < count; ++i) {
-            const Moment moment = momentOf(i, count);
-            ViewScene coarse = moments.moved(moment, sceneAt(moment));
-            coarse.dials = *presetDials(presetNames().front());
-            const bool backdrop = wants(coarse, Layer::backdrop);
-            ViewScene pilot = pilotView(std::move(coarse), kPilotEdge);
-            if (backdrop) pilot.layers = {Layer::backdrop};  // a lamp that is seen is blurred, too
-            mean.add(scrim::render(pilot, makePlan(pilot, threadCount(), waits), waits));
+            const ViewScene pilot = pilotAt(momentOf(i, count));
+            const Plan plan = makePlan(pilot, threadCount(), waits);
+            mean.add(scrim::render(pilot, plan, waits, {}, light.servedTo(pilot, plan, waits)));
         }
         return mean.take().image;
     };
@@ -499,7 +507,7 @@ Frame ShotMotion::render(const ViewScene& view, const Plan& middlePlan, const Pr
     // Half of the tolerance is for each moment, and half for their mean.
     MeanFrame mean(m_samples, view.deep ? 0.5 * view.deep->tolerance : 0);
     // Light on cells in the middle serves all moments in which only the camera is elsewhere.
-    std::optional<KeptLight> kept;
+    SharedLight light(view, middlePlan);
     for (int i = 0; i < m_samples; ++i) {
         const bool middle = 2 * i + 1 == m_samples && !m_shot.scene.lens;
         ViewScene moment = middle ? m_middle : viewAt(momentOf(i, m_samples));
@@ -508,14 +516,12 @@ Frame ShotMotion::render(const ViewScene& view, const Plan& middlePlan, const Pr
         moment.memoryLimit = limitBeside(moment.memoryLimit, mean.deepBytes());
         const double from = double(i) / m_samples, to = double(i + 1) / m_samples;
         const Plan plan = makePlan(moment, threadCount(), partOf(progress, from, from));
-        const bool serves = lightServes(view, middlePlan, moment, plan);
-        if (serves && !kept)
-            TaskArena(plan.threads).run([&] { kept = keepLight(view, middlePlan, partOf(progress, from, from)); });
-        mean.add(scrim::render(moment, plan, partOf(progress, from, to), {}, serves ? &*kept : nullptr));
+        const KeptLight* kept = light.servedTo(moment, plan, partOf(progress, from, from));
+        mean.add(scrim::render(moment, plan, partOf(progress, from, to), {}, kept));
         if (m_options.shown) m_options.shown([&] { return mean.soFar(i + 1); });
     }
     Frame frame = mean.take();
-    if (kept) account(*kept, frame);
+    if (light.kept()) account(*light.kept(), frame);
     return frame;
 }
 

@@ -26,12 +26,10 @@ ViewScene withFewDirections(ViewScene scene, const CellLightPlan& plan) {
     return scene;
 }
 
-// The lights that are not on cells.
-std::vector<Light> lightsBeside(ViewScene scene, const CellLightPlan& plan) {
+// The scene with the lights that are not on cells.
+ViewScene withLightsBeside(ViewScene scene, const CellLightPlan& plan) {
     for (const int i : plan.lights) scene.lights[std::size_t(i)].intensity = Rgb(0);
-    std::vector<Light> lights = withFewSubLights(scene, kFew).lights;
-    std::erase_if(lights, [](const Light& light) { return light.intensity == Rgb(0); });
-    return lights;
+    return withFewSubLights(scene, kFew);
 }
 
 bool mayGrow(const ViewScene& scene) {
@@ -63,7 +61,7 @@ std::optional<LightCellChoice> largerLightCells(const ViewScene& given, double e
         return lightOnCells(
             LevelScene(few), plan.lights, larger * planned, Simd(scene.dials.simd), [] {}, work);
     };
-    const SeenCells seen = seenCells(few, lightsBeside(scene, plan), onCells(kFine), onCells(kCoarse));
+    const SeenCells seen = seenCells(withLightsBeside(scene, plan), onCells(kFine), onCells(kCoarse));
     const auto errorOf = [&](double larger) {
         return kOfDifference * seen.difference * std::pow(larger / kCoarse, kOrder);
     };

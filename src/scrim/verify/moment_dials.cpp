@@ -3,6 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/plan/make_plan.h>
+#include <scrim/engine/shared_light.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/verify/pilot_picture.h>
 #include <scrim/verify/tolerance.h>
@@ -29,11 +30,11 @@ double power(double x) {
     return std::pow(x, ToleranceModel::kOrder);
 }
 
-Image pictureOf(const ViewScene& moment, double texels, double sheets, const ProgressSink& progress) {
+ViewScene pilotOf(const ViewScene& moment, double texels, double sheets) {
     ViewScene pilot = pilotView(moment, kEdge);
     pilot.dials.texel *= kFirst * texels;
     pilot.dials.sheetThickness *= kFirst * sheets;
-    return render(pilot, makePlan(pilot, threadCount(), progress), progress).image;
+    return pilot;
 }
 
 // The error of dials of one voxel, if a dial `times` as coarse as `dial` makes the difference between two pictures.
@@ -55,11 +56,17 @@ double stepped(double dial, int steps, double coarsest) {
 }  // namespace
 
 ToleranceModel momentModel(const ViewScene& moment, const ProgressSink& progress) {
-    const Image fine = pictureOf(moment, 1, 1, progress);
-    return {
-        coefficient(pictureOf(moment, kCoarserTexels, 1, progress), fine, kFirst * moment.dials.texel, kCoarserTexels),
-        coefficient(pictureOf(moment, 1, kCoarserSheets, progress), fine, kFirst * moment.dials.sheetThickness,
-                    kCoarserSheets)};
+    const ViewScene coarsest = pilotOf(moment, kCoarserTexels, kCoarserSheets);
+    const Plan plan = makePlan(coarsest, threadCount(), progress);
+    SharedLight light(coarsest, plan);
+    const auto pictureOf = [&](double texels, double sheets) {
+        const ViewScene pilot = pilotOf(moment, texels, sheets);
+        const Plan own = makePlan(pilot, threadCount(), progress);
+        return render(pilot, own, progress, {}, light.servedTo(pilot, own, progress)).image;
+    };
+    const Image fine = pictureOf(1, 1);
+    return {coefficient(pictureOf(kCoarserTexels, 1), fine, kFirst * moment.dials.texel, kCoarserTexels),
+            coefficient(pictureOf(1, kCoarserSheets), fine, kFirst * moment.dials.sheetThickness, kCoarserSheets)};
 }
 
 Dials momentDials(const ViewScene& moment, const ToleranceModel& model, double allowed, const ProgressSink& progress) {

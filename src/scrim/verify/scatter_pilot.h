@@ -22,7 +22,8 @@ struct ScatterPilot {
     double difference = 0;  ///< RMS over the rays of the difference between the solves with these cells and with larger
     double ofEach = 0;      ///< likewise, each ray relative to its own light, or to a tenth of the mean
     double rayEffects = 0;  ///< the same for the solves with 64 and with 128 directions
-    double share = 0;       ///< the part of all light that has scattered more than once
+    double share = 0;       ///< the part of all light that has scattered more than once, or comes from skies
+    double ofSkies = 0;     ///< the part of it that comes from skies and ambient light, which enter at the border
     bool surfaces = false;  ///< scattersInSurfaces
     bool limited = false;   ///< finer cells would have told more, but the memory limit left no room for them
     /// For each of kOrdinateCounts the part of the scattered light that goes straight on, of the narrowest phase

@@ -61,8 +61,7 @@ class WaysWithin {
 // The scene as the rays see it.
 class Look {
   public:
-    Look(const ViewScene& scene, const std::vector<Light>& beside, const std::vector<CellLight>& fine,
-         const std::vector<CellLight>& other)
+    Look(const ViewScene& scene, const std::vector<CellLight>& fine, const std::vector<CellLight>& other)
         : m_scene(scene), m_cells{&fine, &other}, m_voxel(voxelUnit(scene)) {
         FieldSamplers samplers;
         for (const ViewVolume& volume : scene.volumes) {
@@ -70,7 +69,8 @@ class Look {
             Bounds& box = m_boxes.emplace_back();
             for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) box.include(corner);
         }
-        for (const Light& light : beside) m_lights.emplace_back(light);
+        for (std::size_t i = 0; i < scene.lights.size(); ++i)
+            if (scene.lights[i].intensity != Rgb(0)) m_lights.emplace_back(i, scene.lights[i]);
     }
 
     // Light that is not on cells or is emitted, and by each size of cells that which is.
@@ -109,7 +109,8 @@ class Look {
             seen.direct += weight * grey(m_volumes[v].emission(ws));
             const Rgb scattering = m_volumes[v].scattering(ws);
             if (scattering == Rgb(0)) continue;
-            for (const LightAt& light : m_lights) seen.direct += weight * grey(lit(light, m_volumes[v], ws, direction));
+            for (const auto& [number, light] : m_lights)
+                if (litBy(volume.lights, number)) seen.direct += weight * grey(lit(light, m_volumes[v], ws, direction));
             for (std::size_t s = 0; s < 2; ++s)
                 for (const CellLight& light : *m_cells[s]) {
                     if (!light.ofVolume[v]) continue;
@@ -139,18 +140,17 @@ class Look {
     const std::vector<CellLight>* m_cells[2];
     double m_voxel;
     std::vector<VolumeOptics> m_volumes;
-    std::vector<Bounds> m_boxes;  // of the volumes, world space
-    std::vector<LightAt> m_lights;
+    std::vector<Bounds> m_boxes;                            // of the volumes, world space
+    std::vector<std::pair<std::size_t, LightAt>> m_lights;  // with their numbers in the scene
 };
 
 }  // namespace
 
-SeenCells seenCells(const ViewScene& scene, const std::vector<Light>& beside, const std::vector<CellLight>& fine,
-                    const std::vector<CellLight>& other) {
-    const Look eye(scene, beside, fine, other);
+SeenCells seenCells(const ViewScene& scene, const std::vector<CellLight>& fine, const std::vector<CellLight>& other) {
+    const Look eye(scene, fine, other);
     const RayFamily rays = wsRays(scene.camera);
     const Int2 size = scene.camera.resolution;
-    double squares = 0, all = 0, onCells = 0;
+    double squares = 0, all = 0, onCells = 0, onOther = 0;
     std::vector<std::pair<double, double>> found;  // of each ray: all of its light, and the difference
     for (int first = 0; first < kTries * kRays && found.size() < kRays; first += kRays) {
         std::vector<Look::Seen> seen(kRays);
@@ -164,6 +164,7 @@ SeenCells seenCells(const ViewScene& scene, const std::vector<Light>& beside, co
             found.emplace_back(s.direct + s.cells[0], s.cells[0] - s.cells[1]);
             squares += std::pow(s.cells[0] - s.cells[1], 2);
             onCells += s.cells[0];
+            onOther += s.cells[1];
             all += s.direct + s.cells[0];
         }
     }
@@ -171,7 +172,7 @@ SeenCells seenCells(const ViewScene& scene, const std::vector<Light>& beside, co
     const double count = double(found.size()), mean = all / count;
     double relative = 0;
     for (const auto& [light, difference] : found) relative += std::pow(difference / std::max(light, 0.1 * mean), 2);
-    return {std::sqrt(squares / count) / mean, std::sqrt(relative / count), onCells / all};
+    return {std::sqrt(squares / count) / mean, std::sqrt(relative / count), onCells / all, onOther / all};
 }
 
 }  // namespace scrim

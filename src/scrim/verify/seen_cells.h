@@ -14,11 +14,11 @@ struct SeenCells {
     double difference = 0;  ///< RMS over the rays of what one size shows beside the other
     double ofEach = 0;      ///< likewise, each ray relative to its own light, or to a tenth of the mean
     double share = 0;       ///< the light on the finer cells
+    double other = 0;       ///< the light on the other ones
 };
 
-/// Looks along 64 rays that meet something. `beside`: the lights that are not on cells, as points and suns. All
+/// Looks along 64 rays that meet something. The scene's lights, points and suns, are those that are not on cells. All
 /// members of the result are 0 where nothing is seen.
-SeenCells seenCells(const ViewScene& scene, const std::vector<Light>& beside, const std::vector<CellLight>& fine,
-                    const std::vector<CellLight>& other);
+SeenCells seenCells(const ViewScene& scene, const std::vector<CellLight>& fine, const std::vector<CellLight>& other);
 
 }  // namespace scrim

@@ -5,6 +5,7 @@
 
 #include <scrim/engine/kept_light.h>
 #include <scrim/engine/plan/make_plan.h>
+#include <scrim/engine/shared_light.h>
 #include <scrim/engine/sweep.h>
 
 #include <gtest/gtest.h>
@@ -65,6 +66,26 @@ TEST(KeptLight, ServesOnlyWhatIsTheSame) {
     EXPECT_FALSE(servesWith([](ViewScene& s) { s.volumes[0].shadows = {false, true}; }));
     EXPECT_FALSE(servesWith([](ViewScene& s) { s.volumes.push_back(s.volumes[0]); }));
     EXPECT_FALSE(servesWith([](ViewScene& s) { s.dials.lightCell = 2; }));
+}
+
+// Pilots of a lens, and those with thinner sheets, ask again and again.
+TEST(SharedLight, IsComputedOnceForAllItServes) {
+    const ViewScene fine = underSky(0, Scattering::single), aside = underSky(3, Scattering::single);
+    ViewScene thick = fine, darker = fine;
+    thick.dials.texel *= 1.5;
+    thick.dials.sheetThickness *= 2;
+    darker.lights[0].intensity *= 0.5;
+    const Plan plan = makePlan(thick, 1), finePlan = makePlan(fine, 1);
+    SharedLight light(thick, plan);
+    EXPECT_EQ(light.servedTo(darker, makePlan(darker, 1)), nullptr);
+    EXPECT_FALSE(light.kept());
+    const KeptLight* served = light.servedTo(aside, makePlan(aside, 1));
+    ASSERT_NE(served, nullptr);
+    EXPECT_EQ(light.servedTo(fine, finePlan), served);
+    const std::vector<float> shared = render(fine, finePlan, {}, {}, served).image.rgba,
+                             own = render(fine, finePlan).image.rgba;
+    ASSERT_EQ(shared.size(), own.size());
+    for (std::size_t i = 0; i < own.size(); ++i) ASSERT_NEAR(shared[i], own[i], 1e-4) << i;
 }
 
 // The eye is 40 from the ball; a lobe of g = 0.9 is 0.1 wide, of which a tenth, 0.01, is 0.32 there.

@@ -2,9 +2,12 @@
 // Scattered light on cells of several sizes, one domain inside of another.
 #include "scenes.h"
 #include "support/fields.h"
+#include "support/meshes.h"
 
 #include <scrim/engine/cells/cell_levels.h>
 #include <scrim/engine/model/sub_lights.h>
+#include <scrim/engine/plan/effects.h>
+#include <scrim/engine/plan/make_plan.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/solve/scatter_domains.h>
 #include <scrim/engine/solve/scattered_light.h>
@@ -115,6 +118,25 @@ TEST(ScatterDomains, AgreeWithOneSolveOnTheSmallestCells) {
             EXPECT_LT(off / all, v == 1 ? 0.02 : kind == "glow" ? 0.1 : 0.04) << kind << ", cube " << v;
         }
     }
+}
+
+// A mesh that stops light leaves one domain with the smallest cells, which may take many times as long: the plan tells.
+TEST(ScatterDomains, AreOneBesideSolidsAndThePlanSaysSo) {
+    const std::vector<Cube> two = {{0.02, 4, 8, Vec3(0)}, {0.15, 0.8, 10, {9, 3, -6}}};
+    const auto reasonOf = [](const ViewScene& scene) {
+        for (const Effect& effect : effectsOf(scene, makePlan(scene, 1)))
+            if (effect.name == "multiple scattering") return effect.reason;
+        return std::string();
+    };
+    const std::string lost = "2 parts of space would have their own without them";
+    ViewScene scene = cubes(two, 0.95, 0);
+    scene.lights = {distantLight({-0.5, -1, 0.3})};
+    EXPECT_EQ(reasonOf(scene).find(lost), std::string::npos);
+    scene.solids = oneSolid(squareMesh({-20, 0, 0}, {0, 0, 1}, 1));
+    EXPECT_EQ(planTransport(scene).domains.size(), 1u);
+    EXPECT_NE(reasonOf(scene).find(lost), std::string::npos);
+    scene.volumes.resize(1);
+    EXPECT_EQ(reasonOf(scene).find("parts of space"), std::string::npos);
 }
 
 // What is in a domain is not around it as well: a thick cube inside of cells as large as itself is not in its own

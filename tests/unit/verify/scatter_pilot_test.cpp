@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace scrim::test {
 namespace {
@@ -69,6 +70,64 @@ TEST(ScatterPilot, IsThatOfTheWholePictureWhateverTheCropAndTheBrightness) {
     other.region = {3, 4, 9, 11};
     other.lights[0].intensity *= 7.0;
     EXPECT_NEAR(scatterPilot(other)->difference, scatterPilot(scene)->difference, 1e-5);
+}
+
+Light domeOf(double intensity) {
+    Light dome;
+    dome.kind = Light::Dome{};
+    dome.intensity = Rgb(intensity);
+    return dome;
+}
+
+// A dome of one colour enters the cells as ambient light does, alone, as two domes, and beside a sun that is faint.
+TEST(ScatterPilot, SeesADomeAsAmbientLight) {
+    ViewScene scene = smoke(1.5, 0.3);
+    const Light sun = scene.lights[0];
+    scene.lights.clear();
+    scene.ambient = Rgb(1);
+    const ScatterPilot ambient = *scatterPilot(scene);
+    EXPECT_GT(ambient.difference, 0.001);
+    EXPECT_DOUBLE_EQ(ambient.share, 1);
+    EXPECT_DOUBLE_EQ(ambient.ofSkies, 1);
+    scene.ambient = Rgb(0);
+    Light faint = sun;
+    faint.intensity = Rgb(1e-6);
+    for (const std::vector<Light>& lights :
+         {std::vector<Light>{domeOf(1)}, {domeOf(0.4), domeOf(0.6)}, {domeOf(1), faint}, {faint, domeOf(1)}}) {
+        scene.lights = lights;
+        const ScatterPilot pilot = *scatterPilot(scene);
+        EXPECT_DOUBLE_EQ(pilot.edge, ambient.edge);
+        EXPECT_NEAR(pilot.difference, ambient.difference, 2e-5);
+        EXPECT_NEAR(pilot.ofEach, ambient.ofEach, 2e-5);
+        EXPECT_NEAR(pilot.rayEffects, ambient.rayEffects, 2e-5);
+        EXPECT_NEAR(pilot.share, 1, 1e-4);
+        EXPECT_NEAR(pilot.ofSkies, 1, 1e-4);
+    }
+}
+
+TEST(ScatterPilot, TellsTheLightOfSkiesFromThatOfSuns) {
+    ViewScene scene = smoke(0.5, 0);
+    EXPECT_EQ(scatterPilot(scene)->ofSkies, 0);
+    scene.lights.push_back(domeOf(0.1));
+    const ScatterPilot both = *scatterPilot(scene);
+    EXPECT_GT(both.ofSkies, 0.1);
+    EXPECT_LT(both.ofSkies, 0.9);
+    EXPECT_LT(both.share, 0.99);
+}
+
+// Buffers bring the dome to a volume that scatters once, and the border to one beside it that scatters fully.
+TEST(ScatterPilot, SeesADomeWhereVolumesScatterUnlike) {
+    ViewScene scene = smoke(1.5, 0);
+    scene.lights = {domeOf(1)};
+    ViewVolume thin = scene.volumes[0];
+    thin.medium.scattering = Scattering::single;
+    thin.medium.densityScale = 1e-6;
+    const ScatterPilot alone = *scatterPilot(scene);
+    scene.volumes.push_back(thin);
+    const ScatterPilot beside = *scatterPilot(scene);
+    EXPECT_GT(beside.ofSkies, 0.99);
+    EXPECT_NEAR(beside.difference, alone.difference, 0.05 * alone.difference);
+    EXPECT_NEAR(beside.share, 1, 1e-3);
 }
 
 TEST(ScatterChoice, IsFinerForLessError) {

@@ -466,14 +466,35 @@ SubLights subLights(const ViewScene& scene, const std::vector<ServedLight>& serv
     return all;
 }
 
-ViewScene withFewSubLights(const ViewScene& scene, int count) {
+namespace {
+
+// Puts skies in the place of what stands for them.
+void keepSkies(const ViewScene& scene, SubLights& all) {
+    SubLights kept;
+    kept.lit.resize(all.lit.size());
+    for (std::size_t i = 0; i < all.lights.size(); ++i) {
+        const auto owner = std::size_t(all.owners[i]);
+        const bool sky = scene.lights[owner].dome() != nullptr;
+        if (sky && i > 0 && all.owners[i - 1] == all.owners[i]) continue;
+        kept.lights.push_back(sky ? scene.lights[owner] : all.lights[i]);
+        kept.owners.push_back(all.owners[i]);
+        for (std::size_t v = 0; v < all.lit.size(); ++v)
+            kept.lit[v].push_back(sky ? litBy(scene.volumes[v].lights, owner) : litBy(all.lit[v], i));
+    }
+    all = std::move(kept);
+}
+
+}  // namespace
+
+ViewScene withFewSubLights(const ViewScene& scene, int count, Skies skies) {
     ViewScene few = scene;
     for (Light& light : few.lights) {
         if (!light.extended()) continue;
         light.samples = light.samples > 0 ? std::min(light.samples, count) : count;
         if (light.slide && !light.slide->image) light.slide.reset();
     }
-    const SubLights all = subLights(few);
+    SubLights all = subLights(few);
+    if (skies == Skies::whole) keepSkies(few, all);
     few.lights = all.lights;
     for (std::size_t v = 0; v < few.volumes.size(); ++v) {
         ViewVolume& volume = few.volumes[v];

@@ -80,9 +80,14 @@ SubLights subLights(const ViewScene& scene, const std::vector<ServedLight>& serv
 /// The same with no light on cells.
 SubLights subLights(const ViewScene& scene);
 
+enum class Skies {
+    parted,  ///< into suns where buffers serve them; skies that enter at a border leave only their suns
+    whole    ///< as they are, so that solves for scattered light have them
+};
+
 /// The scene with each extended light replaced by about `count` lights, for a rough look at it. Pictures need not be
 /// loaded.
-ViewScene withFewSubLights(const ViewScene& scene, int count);
+ViewScene withFewSubLights(const ViewScene& scene, int count, Skies skies = Skies::parted);
 
 /// True if a surface with a spread is a sum of beams, parallel light through a window of its shape: its cone is smaller
 /// than what the surface fills of the sky at the volumes, which are all in front of it. Points, each with its cone,

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/solve/scatter_domains.h>
 #include <scrim/engine/solve/scattered_light.h>
 #include <scrim/image/sky_parts.h>
 #include <scrim/scene/layer_names.h>
@@ -254,6 +255,12 @@ Effect emission(const ViewScene& scene) {
     return found.effect("emission", "of ", "no medium has emission or blackbody");
 }
 
+// The parts of space in which scattered light would be solved for if no solid stopped it.
+std::size_t partsWithoutSolids(ViewScene scene) {
+    scene.solids = nullptr;
+    return scatterDomains(scene, scene.dials.scatterCell.value_or(kScatterCell)).size();
+}
+
 Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
     Finder found(scene);
     for (const ViewVolume& v : scene.volumes)
@@ -272,6 +279,11 @@ Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
         if (t.domains.size() > 1)
             out.reason +=
                 fmt::format("; each solve in {} parts of space, for voxels of their own size", t.domains.size());
+        else if (const std::size_t parts = partsWithoutSolids(scene); parts > 1)
+            out.reason += fmt::format(
+                "; all space has cells for the smallest voxels, since meshes stop this light: {} parts of space would "
+                "have their own without them",
+                parts);
     }
     if (const std::string skies = blurredSkies(scene, t); !skies.empty()) out.reason += "; " + skies;
     if (out.on && solidsBlock(scene))
