@@ -60,6 +60,15 @@ TEST(CutPhase, LosesNoLight) {
         EXPECT_NEAR(wholeOf(cut.row) + cut.onwards.part + cut.backwards.part, 1, 2e-3) << phase.g << " " << phase.g2;
         EXPECT_NEAR(phaseIn(cut.row, 0), phaseValue(phase, 0), 0.01 * phaseValue(phase, 0));
         EXPECT_GE(cut.onwards.part, 0);
+        for (const CutPhase::Peak& peak : {cut.onwards, cut.backwards}) {
+            double all = 0, depth = -1;
+            for (const PeakRing& ring : peak.rings) {
+                all += ring.part;
+                EXPECT_GT(ring.depth, depth);
+                depth = ring.depth;
+            }
+            if (peak.part > 1e-3) EXPECT_NEAR(all, 1, 1e-9);
+        }
         EXPECT_LT(phaseIn(cut.row, 1), 20 * phaseValue(phase, std::cos(0.45)));
     }
 }
