@@ -67,7 +67,9 @@ TEST(CutPhase, LosesNoLight) {
                 EXPECT_GT(ring.depth, depth);
                 depth = ring.depth;
             }
-            if (peak.part > 1e-3) EXPECT_NEAR(all, 1, 1e-9);
+            if (peak.part > 1e-3) {
+                EXPECT_NEAR(all, 1, 1e-9);
+            }
         }
         EXPECT_LT(phaseIn(cut.row, 1), 20 * phaseValue(phase, std::cos(0.45)));
     }
