@@ -38,7 +38,7 @@ class SkyPeaks {
   private:
     static constexpr double kLittle = 1e-3;  // of the scattered light
     static constexpr double kDark = 10;      // optical depth
-    static constexpr int kRays = 6;          // of a ring
+    static constexpr int kRays = 4;          // of a ring
 
     Rgb along(const Vec3& ws, const Vec3& way) const {
         constexpr double kInfinity = std::numeric_limits<double>::infinity();
