@@ -81,6 +81,15 @@ double depthOfCell(const CellMedia& media) {
     return most * media.grid.edge();
 }
 
+// The most directions that stand for a sky with peaks.
+std::size_t mostDirections(const Sources& sources, const std::vector<WidePhase>& wide) {
+    std::size_t most = 0;
+    for (std::size_t owner = 0; owner < wide.size(); ++owner)
+        if (wide[owner].ofSky)
+            most = std::max(most, std::size_t(std::ranges::count(sources.owners, static_cast<int>(owner))));
+    return most;
+}
+
 }  // namespace
 
 void addPeaks(const ViewScene& scene, const Sources& sources, const std::vector<WidePhase>& wide, const Octave& octave,
@@ -89,13 +98,14 @@ void addPeaks(const ViewScene& scene, const Sources& sources, const std::vector<
     checkpoint();
     // Rays take their time: in larger cells where there are many, between which their light is interpolated, as long as
     // these are thin. Disney's cloud with droplets and 0.3 a voxel was 20, 4.5 and 2.1 % off with cells of 4, 1 and 0.5
-    // voxels.
-    constexpr std::size_t kFewCells = 60'000, kMostCells = 2'000'000;
+    // voxels. A rough look with a few directions (verify/light_cell_pilot.h) has rough peaks, too.
+    constexpr std::size_t kFewCells = 60'000, kMostCells = 2'000'000, kFewDirections = 64;
     constexpr double kThin = 0.35;
+    const std::size_t mostCells = mostDirections(sources, wide) < kFewDirections ? 0 : kMostCells;
     CellMedia larger;
     const CellMedia* through = media.front();
     while (through->grid.cells() > kFewCells) {
-        if (2 * depthOfCell(*through) > kThin && through->grid.cells() <= kMostCells) break;
+        if (through->grid.cells() <= mostCells && 2 * depthOfCell(*through) > kThin) break;
         CellMedia next = coarser(*through);
         if (next.grid.cells() >= through->grid.cells()) break;
         larger = std::move(next);
