@@ -90,32 +90,27 @@ bool readBlock(const Numbers& numbers, const Int3& origin, float* values) {
 
 using ReadBlock = bool (*)(const Numbers&, const Int3&, float*);
 
-template <typename Number>
-ReadBlock readerOf(bool swapped) {
-    return swapped ? &readBlock<Number, true> : &readBlock<Number, false>;
+/// The reader of that one of some types which has so many bytes; null: none has.
+template <typename... Number>
+ReadBlock readerOf(int bytes, bool swapped) {
+    ReadBlock found = nullptr;
+    const auto offer = [&](int size, ReadBlock plain, ReadBlock ofSwapped) {
+        if (size == bytes) found = swapped ? ofSwapped : plain;
+    };
+    (offer(sizeof(Number), &readBlock<Number, false>, &readBlock<Number, true>), ...);
+    return found;
 }
 
 /// Null for numbers that are not read here.
 ReadBlock readerOf(char kind, int bytes, bool swapped) {
     switch (kind) {
         case 'f':
-            return bytes == 2   ? readerOf<Half>(swapped)
-                   : bytes == 4 ? readerOf<float>(swapped)
-                   : bytes == 8 ? readerOf<double>(swapped)
-                                : nullptr;
+            return readerOf<Half, float, double>(bytes, swapped);
         case 'i':
-            return bytes == 1   ? readerOf<std::int8_t>(false)
-                   : bytes == 2 ? readerOf<std::int16_t>(swapped)
-                   : bytes == 4 ? readerOf<std::int32_t>(swapped)
-                   : bytes == 8 ? readerOf<std::int64_t>(swapped)
-                                : nullptr;
+            return readerOf<std::int8_t, std::int16_t, std::int32_t, std::int64_t>(bytes, swapped);
         case 'u':
         case 'b':
-            return bytes == 1   ? readerOf<std::uint8_t>(false)
-                   : bytes == 2 ? readerOf<std::uint16_t>(swapped)
-                   : bytes == 4 ? readerOf<std::uint32_t>(swapped)
-                   : bytes == 8 ? readerOf<std::uint64_t>(swapped)
-                                : nullptr;
+            return readerOf<std::uint8_t, std::uint16_t, std::uint32_t, std::uint64_t>(bytes, swapped);
         default:
             return nullptr;
     }

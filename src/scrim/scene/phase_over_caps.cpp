@@ -148,26 +148,25 @@ CutPhase::CutPhase(const Phase& phase, double spacing) : row(kRow) {
     row.back() = row[kPhaseAngles - 1];
     // The integrals over both halves of the sphere, in the variable whose entries are evenly apart.
     double onFront = 0, onBack = 0;
-    std::vector<PeakRing> front, back;  // of what is cut off, by entry
+    std::vector<PeakRing> cutFront, cutBack;  // what is cut off, by entry
     for (int i = 0; i + 1 < kPhaseAngles; ++i) {
         const double a = cosineAt(i), b = cosineAt(i + 1), middle = 0.5 * (a + b);
         const double part = kPi * (a - b) * double(row[std::size_t(i)] + row[std::size_t(i + 1)]);
         (middle > 0 ? onFront : onBack) += part;
         const double above = 2 * kPi * (a - b) * phaseValue(phase, middle) - part;
-        if (above > 0) (middle > 0 ? front : back).push_back({1 - std::abs(middle), above});
+        if (above > 0) (middle > 0 ? cutFront : cutBack).push_back({1 - std::abs(middle), above});
     }
-    std::ranges::reverse(back);
-    onwards.rings = ringsOf(front);
-    backwards.rings = ringsOf(back);
+    std::ranges::reverse(cutBack);
+    onwards.rings = ringsOf(cutFront);
+    backwards.rings = ringsOf(cutBack);
     // Of the phase function itself by its moments: the mean of P_l over a half is known.
     const std::vector<double> moments = legendreMoments(phase, 4096), half = capMoments(0.5 * kPi, 4096);
-    double whole = 0;
-    for (std::size_t l = 0; l < moments.size(); ++l) whole += 0.5 * double(2 * l + 1) * moments[l] * half[l];
-    onwards.part = std::max(whole - onFront, 0.0);
-    backwards.part = std::max(1 - whole - onBack, 0.0);
+    double front = 0;
+    for (std::size_t l = 0; l < moments.size(); ++l) front += 0.5 * double(2 * l + 1) * moments[l] * half[l];
+    onwards.part = std::max(front - onFront, 0.0);
+    backwards.part = std::max(1 - front - onBack, 0.0);
     // What is left must be kept: rounding and trapezoids took a little.
-    const double rest = onFront + onBack;
-    whole = 1 - onwards.part - backwards.part;
+    const double rest = onFront + onBack, whole = 1 - onwards.part - backwards.part;
     for (Real& value : row) value *= static_cast<Real>(whole / std::max(rest, 1e-30));
 }
 

@@ -344,11 +344,7 @@ double ShotMotion::longestPath() {
         fields.push_back(m_shot.fieldsAt(t));
     }
     const std::pair<double, double> outlier = usual.outlier();
-    double wsWay = usual.longest();  // displacement by velocities
-    double turns = 1;
-    if (m_shutter.open < 0 && m_shutter.close > 0)
-        turns = (m_shutter.close - m_shutter.open) / std::max(-m_shutter.open, m_shutter.close);
-    wsWay *= std::max(turns, waysPerReach(fields));
+    const double wsWay = usual.longest() * waysPerReach(fields);  // displacement by velocities
     const Bounds box = boundsOf(places.front().ws);
     if (box.empty()) return 0;
     const double least = 1e-3 * glm::length(box.size());

@@ -150,7 +150,7 @@ SeenCells seenCells(const ViewScene& scene, const std::vector<CellLight>& fine, 
     const Look eye(scene, fine, other);
     const RayFamily rays = wsRays(scene.camera);
     const Int2 size = scene.camera.resolution;
-    double squares = 0, all = 0, onCells = 0, onOther = 0;
+    double all = 0, onCells = 0, onOther = 0;
     std::vector<std::pair<double, double>> found;  // of each ray: all of its light, and the difference
     for (int first = 0; first < kTries * kRays && found.size() < kRays; first += kRays) {
         std::vector<Look::Seen> seen(kRays);
@@ -162,7 +162,6 @@ SeenCells seenCells(const ViewScene& scene, const std::vector<CellLight>& fine, 
         for (const Look::Seen& s : seen) {
             if (found.size() == kRays || s.alpha < 1e-3) continue;
             found.emplace_back(s.direct + s.cells[0], s.cells[0] - s.cells[1]);
-            squares += std::pow(s.cells[0] - s.cells[1], 2);
             onCells += s.cells[0];
             onOther += s.cells[1];
             all += s.direct + s.cells[0];
@@ -170,8 +169,11 @@ SeenCells seenCells(const ViewScene& scene, const std::vector<CellLight>& fine, 
     }
     if (!(all > 0)) return {};
     const double count = double(found.size()), mean = all / count;
-    double relative = 0;
-    for (const auto& [light, difference] : found) relative += std::pow(difference / std::max(light, 0.1 * mean), 2);
+    double squares = 0, relative = 0;
+    for (const auto& [light, difference] : found) {
+        squares += std::pow(difference, 2);
+        relative += std::pow(difference / std::max(light, 0.1 * mean), 2);
+    }
     return {std::sqrt(squares / count) / mean, std::sqrt(relative / count), onCells / all, onOther / all};
 }
 

@@ -76,8 +76,7 @@ void CellField::sample(const Vec3& ws, LastBlock& last, Real (&rgb)[3]) const {
     const Vec3 at = m_grid->csFromWs(ws) - 0.5;  // relative to the centre of the first cell
     const Int3 cell = wholeBelow(glm::clamp(at, -1e9, 1e9));
     const Int3 block(cell.x >> 3, cell.y >> 3, cell.z >> 3);
-    if (block != last.at) last = {block, m_grid->stored(block)};
-    std::int32_t stored = last.stored;
+    std::int32_t stored = m_grid->stored(block, last);
     Int3 inside = cell - block * kCellEdge + 1;
     // If the cell's own block is not stored, the centres of border cells may lie in the border of a stored neighbour.
     for (int side = 1; side < 8 && stored < 0; ++side) {

@@ -21,11 +21,7 @@ namespace scrim {
 /// grid's walls.
 class CellField {
   public:
-    /// The block that was looked up last; neighbouring samples are mostly in the same one.
-    struct LastBlock {
-        Int3 at{1 << 30};          ///< in blocks
-        std::int32_t stored = -1;  ///< its number among the stored blocks; -1: it is not stored
-    };
+    using LastBlock = CellGrid::LastBlock;
 
     /// Black. With one value per cell instead of three, the light is that value times `tint`.
     CellField(std::shared_ptr<const CellGrid> grid, int colours, const Rgb& tint = Rgb(1));

@@ -24,10 +24,6 @@ constexpr double kMostBlocks = 1 << 24;  // of the box; their numbers take 64 MB
 // The largest distance from the world's origin, in blocks, so that cells can be counted with an int.
 constexpr double kFarthestBlock = 1 << 26;
 
-int blockOf(int cell) {
-    return cell >> 3;  // also rounds down below 0
-}
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Ways from one cell to the next one, beside the straight one, lead over these places of their cross-sections.
@@ -117,12 +113,6 @@ void CellGrid::number(std::vector<bool>&& wanted) {
                 m_stored[i] = static_cast<std::int32_t>(m_places.size());
                 m_places.emplace_back(x, y, z);
             }
-}
-
-std::ptrdiff_t CellGrid::index(const Int3& cell) const {
-    const std::int32_t block = stored({blockOf(cell.x), blockOf(cell.y), blockOf(cell.z)});
-    if (block < 0) return -1;
-    return std::ptrdiff_t(block) * kBlockCells + cellOffset(cell.x & 7, cell.y & 7, cell.z & 7);
 }
 
 Int3 CellGrid::place(std::size_t index) const {

@@ -67,12 +67,29 @@ class CellGrid {
             if (at[axis] < 0 || at[axis] >= m_blocks[axis]) return -1;
         return m_stored[numberInBox(at)];
     }
+    /// The block that was asked for last; neighbouring cells are mostly in the same one.
+    struct LastBlock {
+        Int3 at{1 << 30};          ///< in blocks
+        std::int32_t stored = -1;  ///< its number among the stored blocks; -1: it is not stored
+    };
+    std::int32_t stored(const Int3& at, LastBlock& last) const {
+        if (at != last.at) last = {at, stored(at)};
+        return last.stored;
+    }
     /// The places of the stored blocks, in blocks from the corner of the box.
     const std::vector<Int3>& storedBlocks() const { return m_places; }
     /// The number of cells in all stored blocks: block b has the cells [512 b, 512 (b + 1)).
     std::size_t cells() const { return m_places.size() * kBlockCells; }
     /// The index of the cell at `cell`, counted along each axis from the corner of the box; -1 if it is not stored.
-    std::ptrdiff_t index(const Int3& cell) const;
+    std::ptrdiff_t index(const Int3& cell) const {
+        LastBlock last;
+        return index(cell, last);
+    }
+    std::ptrdiff_t index(const Int3& cell, LastBlock& last) const {
+        const std::int32_t block = stored(cell >> 3, last);  // also rounds down below 0
+        if (block < 0) return -1;
+        return std::ptrdiff_t(block) * kBlockCells + cellOffset(cell.x & 7, cell.y & 7, cell.z & 7);
+    }
     /// The place of cell `index`, counted likewise.
     Int3 place(std::size_t index) const;
 

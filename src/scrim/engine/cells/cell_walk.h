@@ -33,16 +33,11 @@ void walkCells(const CellGrid& grid, const Vec3& ws, const Vec3& direction, doub
         next[axis] = (cell[axis] + (step[axis] > 0 ? 1 : 0) - origin[axis]) / direction[axis];
     }
     double t = 0;
-    Int3 block(std::numeric_limits<int>::min());
-    std::int32_t stored = -1;
+    CellGrid::LastBlock last;
     while (t < length) {
-        if (const Int3 own = cell >> 3; own != block)
-            block = own, stored = grid.stored(block);
-        const std::ptrdiff_t index =
-            stored < 0 ? -1 : std::ptrdiff_t(stored) * kBlockCells + cellOffset(cell.x & 7, cell.y & 7, cell.z & 7);
         const int axis = next.x < next.y ? (next.x < next.z ? 0 : 2) : (next.y < next.z ? 1 : 2);
         const double end = std::min(next[axis], length);
-        if (!visit(index, t * grid.edge(), end * grid.edge())) return;
+        if (!visit(grid.index(cell, last), t * grid.edge(), end * grid.edge())) return;
         t = next[axis];
         cell[axis] += step[axis];
         next[axis] += each[axis];

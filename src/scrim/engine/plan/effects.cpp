@@ -279,7 +279,7 @@ Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
         if (t.domains.size() > 1)
             out.reason +=
                 fmt::format("; each solve in {} parts of space, for voxels of their own size", t.domains.size());
-        else if (const std::size_t parts = partsWithoutSolids(scene); parts > 1)
+        else if (const std::size_t parts = scene.solids ? partsWithoutSolids(scene) : 1; parts > 1)
             out.reason += fmt::format(
                 "; all space has cells for the smallest voxels, since meshes stop this light: {} parts of space would "
                 "have their own without them",
