@@ -62,4 +62,13 @@ Phase flattened(const Phase& phase, double part) {
     return flat;
 }
 
+std::vector<Octave> octavesOf(const Medium& medium) {
+    std::vector<Octave> all{{medium.phase}};
+    const Octaves& o = medium.octaves;
+    for (int n = 1; n < o.count; ++n)
+        all.push_back(
+            {flattened(medium.phase, std::pow(o.phase, n)), std::pow(o.extinction, n), std::pow(o.contribution, n)});
+    return all;
+}
+
 }  // namespace scrim

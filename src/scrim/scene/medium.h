@@ -6,6 +6,7 @@
 #include <scrim/geometry/spaces.h>
 
 #include <algorithm>
+#include <vector>
 
 namespace scrim {
 
@@ -92,5 +93,13 @@ struct Medium {
   private:
     double mostTint() const { return std::max({extinctionTint.x, extinctionTint.y, extinctionTint.z}); }
 };
+
+/// What one octave of a medium sends towards the eye; the first one is single scattering (see Octaves).
+struct Octave {
+    Phase phase;
+    double extinction = 1;  ///< factor on what attenuates the light
+    double share = 1;       ///< factor on the light
+};
+std::vector<Octave> octavesOf(const Medium& medium);
 
 }  // namespace scrim

@@ -103,6 +103,7 @@ double occupied(const ViewScene& scene, double margin) {
 }
 
 LevelScene::LevelScene(const ViewScene& scene, const CellLightPlan& plan, std::size_t level) : LevelScene(scene) {
+    features = plan.levels[level].features;
     if (plan.levels.size() == 1) return;
     own = withVoxelsOf(scene, plan.levels[level].volumes);
     std::vector<bool> finer(scene.volumes.size(), false);

@@ -49,6 +49,7 @@ struct LevelScene {
     ViewScene own;      ///< the volumes whose light the cells keep
     ViewScene holding;  ///< these, and all of finer levels
     std::vector<Coarser> coarser;
+    double features = 0;  ///< CellLevel::features
 
     /// All volumes are on one level.
     LevelScene(const ViewScene& scene) : all(scene), own(scene), holding(scene) {}

@@ -22,55 +22,88 @@ constexpr double kDarkDepth = 60;
 // The least way that a mean extinction is for, in cells.
 constexpr double kLeastWay = 1e-3;
 
+// Factors on extinction, the largest first, between which those of all octaves lie. Behind the edge of a shadow the
+// mean over a sphere's ways of exp(-factor * depth) is no exponential; its logarithm over the factor bends little
+// between factors that are kRatio apart.
+std::vector<double> knotsFor(const std::vector<Octave>& octaves) {
+    constexpr double kRatio = 32, kLeast = 1e-3;  // below which a transmittance has too few digits
+    const double most = std::max(octaves.front().extinction, kLeast),
+                 least = std::max(octaves.back().extinction, kLeast);
+    const int steps = static_cast<int>(std::ceil(std::log(most / least) / std::log(kRatio) - 1e-9));
+    std::vector<double> knots{most};
+    for (int i = 1; i <= steps; ++i) knots.push_back(most * std::pow(least / most, double(i) / steps));
+    return knots;
+}
+
 }  // namespace
 
-LampField::LampField(const LampView& view, std::shared_ptr<const CellGrid> grid, int colours)
-    : m_view(view), m_values(std::move(grid), colours) {
-    const double edge = m_values.grid().edge();
+LampField::LampField(const LampView& view, std::shared_ptr<const CellGrid> cells, int channels) : m_view(view) {
+    for (const double extinction : knotsFor(view.octaves)) m_knots.push_back({extinction, CellField(cells, channels)});
+    for (const Octave& octave : view.octaves) {
+        Part part{octave, 0, 0, 1, 0, nullptr};
+        const double e = octave.extinction;
+        while (part.knot + 2 < m_knots.size() && m_knots[part.knot + 1].extinction > e) ++part.knot;
+        const double first = m_knots[part.knot].extinction;
+        part.low = e / first;
+        part.nearest = part.knot;
+        if (m_knots.size() > 1) {
+            const double next = m_knots[part.knot + 1].extinction;
+            const double beyond = std::clamp((first - e) / (first - next), 0.0, 1.0);
+            part.low *= 1 - beyond;
+            part.high = e / next * beyond;
+            part.nearest += beyond > 0.5 ? 1 : 0;
+        }
+        if (radiusOfSphere(lamp()) > 0 && !octave.phase.isotropic())
+            part.caps = std::make_shared<const PhaseOverCaps>(octave.phase, 0.5 * std::numbers::pi);
+        m_even = m_even && octave.phase.isotropic();
+        m_parts.push_back(std::move(part));
+    }
     if (lamp().luminaire) m_frame = lightFrame(lamp());
-    if (radiusOfSphere(lamp()) > 0 && !view.phase.isotropic())
-        m_caps = std::make_shared<const PhaseOverCaps>(view.phase, 0.5 * std::numbers::pi);
-    m_hollow = hollowOnCells(lamp(), edge);
-    if (view.nearby) m_near = nearestFar(lamp(), edge);
+    m_hollow = hollowOnCells(lamp(), grid().edge());
+    if (view.nearby) m_near = nearestFar(lamp(), grid().edge());
 }
 
 // The way that the mean extinction of a cell is for.
 double LampField::wayTo(const Int3& cell) const {
-    const double r = glm::distance(m_values.grid().wsFromCs(Vec3(cell) + 0.5), lamp().wsPosition);
-    return std::max(m_hollow ? wayFrom(lamp(), r) : r, kLeastWay * m_values.grid().edge());
+    const double r = glm::distance(grid().wsFromCs(Vec3(cell) + 0.5), lamp().wsPosition);
+    return std::max(m_hollow ? wayFrom(lamp(), r) : r, kLeastWay * grid().edge());
 }
 
 void LampField::makeMean(const MediaTogether& media, std::shared_ptr<const CellField> open) {
     m_open = std::move(open);
+    for (Knot& knot : m_knots) makeMean(knot, media);
+}
+
+void LampField::makeMean(Knot& knot, const MediaTogether& media) const {
     const double radius = m_hollow ? radiusOfSphere(lamp()) : 0;
-    m_values.forCells([&](const Int3& cell, Real* values) {
+    knot.values.forCells([&](const Int3& cell, Real* values) {
         const double way = wayTo(cell);
-        for (std::size_t c = 0; c < m_values.colours(); ++c) {
+        for (std::size_t c = 0; c < colours(); ++c) {
             const double depth = -std::log(std::max(double(values[c]), 1e-30));
             values[c] = static_cast<Real>((radius > 0 ? depth + shellOverDisk(radius / way * depth) : depth) / way);
         }
     });
     if (!m_view.attenuated) return;
-    sharpenMeans(m_values, [&](const Int3& cell) { return wayTo(cell); });
+    sharpenMeans(knot.values, [&](const Int3& cell) { return wayTo(cell); });
     if (m_hollow)
-        m_values.forCells([&](const Int3& cell, Real* values) {
+        knot.values.forCells([&](const Int3& cell, Real* values) {
             if (wayTo(cell) * double(values[0]) < kDarkDepth)
-                keepNearSphere(media, m_values.grid().wsFromCs(Vec3(cell) + 0.5), values);
+                keepNearSphere(knot, media, grid().wsFromCs(Vec3(cell) + 0.5), values);
         });
 }
 
 // Replaces the mean extinction close to a sphere. Cells at its surface and within continue what is just outside.
-void LampField::keepNearSphere(const MediaTogether& media, const Vec3& ws, Real* values) const {
+void LampField::keepNearSphere(const Knot& knot, const MediaTogether& media, const Vec3& ws, Real* values) const {
     // Cells; optical depths behind which little is left, and of a radius whose light is nearly that of its middle.
     constexpr double kInside = 3, kOutside = 4, kDark = 6, kThin = 1;
     const Vec3& center = lamp().wsPosition;
-    const double edge = m_values.grid().edge(), radius = radiusOfSphere(lamp()), r = glm::distance(ws, center);
+    const double edge = grid().edge(), radius = radiusOfSphere(lamp()), r = glm::distance(ws, center);
     const double k = double(values[0]), dense = k * radius < kThin ? 0 : std::min(radius, kDark / k);
     const double share = std::clamp(2 * (1 - (r - radius) / std::max(kOutside * edge, dense)), 0.0, 1.0);
     if (share == 0 || r < std::max(radius - kInside * edge, 1e-9 * edge)) return;
     const double outside = std::max(r, radius + 0.25 * edge), way = wayFrom(lamp(), outside);
-    const Rgb depth = depthFromSphere(media, m_view.extinction, center, radius, center + outside / r * (ws - center));
-    for (std::size_t c = 0; c < m_values.colours(); ++c)
+    const Rgb depth = depthFromSphere(media, knot.extinction, center, radius, center + outside / r * (ws - center));
+    for (std::size_t c = 0; c < colours(); ++c)
         values[c] += static_cast<Real>(share * (depth[static_cast<int>(c)] / way - double(values[c])));
 }
 
@@ -83,40 +116,68 @@ double LampField::nearShare(double r) const {
     return 1 - t * t * t * t * (15 - 24 * t + 10 * t * t);
 }
 
-// What the lamp's light is scattered by towards the eye, times r^2, without attenuation.
-double LampField::factor(const Vec3& ws) const {
+LampField::Arrival LampField::arrivalAt(const Vec3& ws) const {
     const Vec3 way = ws - lamp().wsPosition;
     const double r = glm::length(way);
     const Vec3 travel = r > 0 ? way / r : Vec3(0, 0, 1);
     // A sphere fills a cone of the solid angle 2 pi (1 - cosine).
     const double radius = radiusOfSphere(lamp());
     const double cosine = r > radius ? std::sqrt(1 - radius * radius / (r * r)) : 0;
-    constexpr double kEven = 1 / (4 * std::numbers::pi);
-    const double toEye = m_view.phase.isotropic() ? 0 : glm::dot(travel, travelToEye(m_view.camera, ws));
-    const double factor = m_view.phase.isotropic() ? kEven
-                          : m_caps                 ? m_caps->at(toEye, std::acos(cosine))
-                                                   : phaseValue(m_view.phase, toEye);
-    return radius > 0 ? factor * 2 * std::numbers::pi * radius * radius / (1 + cosine) : factor;
+    Arrival arrival{0, 0, 1, wayFrom(lamp(), r), 1};
+    if (!m_even) arrival.toEye = glm::dot(travel, travelToEye(m_view.camera, ws));
+    if (radius > 0) {
+        arrival.solidAngle = 2 * std::numbers::pi * radius * radius / (1 + cosine);
+        if (!m_even) arrival.halfAngle = std::acos(cosine);
+    }
+    if (m_open) {
+        Real open[3];
+        m_open->sample(ws, open);
+        arrival.open = double(open[0]);
+    }
+    return arrival;
 }
 
-Rgb LampField::farLight(const Vec3& ws, double transmittance) const {
+// What the lamp's light is scattered by towards the eye, times r^2, without attenuation.
+double LampField::scattered(const Part& part, const Arrival& arrival) const {
+    constexpr double kEven = 1 / (4 * std::numbers::pi);
+    const Phase& phase = part.octave.phase;
+    return arrival.solidAngle * (phase.isotropic() ? kEven
+                                 : part.caps       ? part.caps->at(arrival.toEye, arrival.halfAngle)
+                                                   : phaseValue(phase, arrival.toEye));
+}
+
+Rgb LampField::farLight(std::size_t knot, const Vec3& ws, double transmittance) const {
     const double r = glm::distance(ws, lamp().wsPosition);
     if (r < 1e-6 * m_near) return Rgb(0);
+    const Arrival arrival = arrivalAt(ws);
     // Cells too coarse to resolve a sphere know the transmittance from within.
-    if (!m_hollow && radiusOfSphere(lamp()) > 0) transmittance = std::pow(transmittance, wayFrom(lamp(), r) / r);
-    const double part = luminairePart(lamp(), m_frame, (ws - lamp().wsPosition) / r);
-    return lamp().intensity * (part * transmittance * (1 - nearShare(r)) * factor(ws) * decay(r * r));
+    const double within = !m_hollow && radiusOfSphere(lamp()) > 0 ? arrival.length / r : 1;
+    double sum = 0;
+    for (const Part& part : m_parts) {
+        if (part.nearest != knot) continue;
+        const double power = within * part.octave.extinction / m_knots[knot].extinction;
+        const double arrives = power == 1 ? transmittance : std::pow(transmittance, power);
+        sum += part.octave.share * scattered(part, arrival) * arrives;
+    }
+    const double profile = luminairePart(lamp(), m_frame, (ws - lamp().wsPosition) / r);
+    return lamp().intensity * (profile * sum * (1 - nearShare(r)) * decay(r * r));
 }
 
-std::optional<Rgb> LampField::evenFarLight(double& reach) const {
-    if (lamp().area() || lamp().luminaire || !lamp().point().decay || !m_view.phase.isotropic()) return std::nullopt;
+std::optional<Rgb> LampField::evenFarLight(std::size_t knot, double& reach) const {
+    if (lamp().area() || lamp().luminaire || !lamp().point().decay || !m_even) return std::nullopt;
+    double share = 0;
+    for (const Part& part : m_parts) {
+        if (part.nearest != knot) continue;
+        if (part.octave.extinction != m_knots[knot].extinction) return std::nullopt;
+        share += part.octave.share;
+    }
     reach = std::max(m_near, lamp().point().radius);
-    return lamp().intensity / (4 * std::numbers::pi);
+    return lamp().intensity * share / (4 * std::numbers::pi);
 }
 
 double LampField::decay(double r2) const {
     // At its very place a lamp shines through nothing: 0 times infinity.
-    r2 = std::max(r2, 1e-12 * m_values.grid().edge() * m_values.grid().edge());
+    r2 = std::max(r2, 1e-12 * grid().edge() * grid().edge());
     if (lamp().area()) return 1 / r2;
     return lamp().point().decay ? 1 / std::max(r2, std::pow(lamp().point().radius, 2)) : 1;
 }
@@ -128,7 +189,7 @@ double LampField::meanProfile(const Vec3& way, const Vec3& path) const {
     const double t2 = glm::dot(path, path), r2 = glm::dot(way, way), t = std::sqrt(t2), d = glm::dot(way, path) / t;
     const auto at = [&](const Vec3& v) { return luminairePart(lamp(), m_frame, v / std::max(glm::length(v), 1e-300)); };
     if (r2 > 100 * t2) return at(way);  // to t^2 / (24 r^2) times the profile's curvature
-    const double b = std::max(std::sqrt(std::max(r2 - d * d, 0.0)), 1e-4 * m_values.grid().edge());
+    const double b = std::max(std::sqrt(std::max(r2 - d * d, 0.0)), 1e-4 * grid().edge());
     const double begin = std::atan((d - 0.5 * t) / b), end = std::atan((d + 0.5 * t) / b);
     double sum = 0;
     for (const auto& [u, w] : kFourPoints)
@@ -136,18 +197,13 @@ double LampField::meanProfile(const Vec3& way, const Vec3& path) const {
     return sum;
 }
 
-// Turns the mean extinction on the way from the lamp to `ws` into light times r^2. `part`: the luminaire's.
-void LampField::lightAt(const Vec3& ws, double part, Real (&rgb)[3]) const {
-    double sent = part * factor(ws);
-    if (m_open) {
-        Real open[3];
-        m_open->sample(ws, open);
-        sent *= double(open[0]);
-    }
-    const auto length = static_cast<Real>(wayFrom(lamp(), glm::distance(ws, lamp().wsPosition)));
+// Turns the mean extinctions on the way from the lamp, of a part's two knots, into the part's light times r^2.
+void LampField::lightOf(const Part& part, const Arrival& arrival, double profile, Real (&rgb)[3]) const {
+    const double sent = part.octave.share * (profile * scattered(part, arrival)) * arrival.open;
+    const auto length = static_cast<Real>(arrival.length);
     Real arrives = 1;
     for (std::size_t c = 0; c < 3; ++c) {
-        if (c < m_values.colours()) arrives = std::exp(-rgb[c] * length);
+        if (c < colours()) arrives = std::exp(-rgb[c] * length);
         rgb[c] = static_cast<Real>(lamp().intensity[static_cast<int>(c)] * sent) * arrives;
     }
 }
@@ -157,7 +213,7 @@ void LampField::lightAt(const Vec3& ws, double part, Real (&rgb)[3]) const {
 // sheet alone is wrong by any amount in sheets close to the lamp, where much of its light is.
 double LampField::meanDecay(const Vec3& way, const Vec3& path) const {
     const double t2 = glm::dot(path, path), r2 = glm::dot(way, way);
-    const double least = 1e-2 * m_values.grid().edge();  // a sample at the very place of the lamp must not be infinite
+    const double least = 1e-2 * grid().edge();  // a sample at the very place of the lamp must not be infinite
     const double radius = lamp().area() ? 0 : std::max(lamp().point().radius, least);
     if (r2 > 300 * t2 && r2 > 4 * radius * radius) return 1 / r2;  // to t^2 / (4 r^2)
     const double t = std::sqrt(t2), d = glm::dot(way, path) / t;
@@ -198,13 +254,28 @@ double LampField::meanNearSphere(const Vec3& way, const Vec3& path, double extin
     return sum / (t * light(std::max(glm::dot(way, way), 1e-30)));
 }
 
+void LampField::sampleAll(const Vec3& ws, CellField::LastBlock& last, Means& means) const {
+    for (std::size_t k = 0; k < m_knots.size(); ++k) m_knots[k].values.sample(ws, last, means[k]);
+}
+
+void LampField::meanOf(const Part& part, const Means& means, Real (&mean)[3]) {
+    for (int c = 0; c < 3; ++c) mean[c] = static_cast<Real>(part.low) * means[part.knot][c];
+    for (int c = 0; c < 3 && part.high > 0; ++c) mean[c] += static_cast<Real>(part.high) * means[part.knot + 1][c];
+}
+
 void LampField::addTo(const Vec3& ws, Real (&rgb)[3]) const {
     const Vec3 way = ws - lamp().wsPosition;
-    const double r = glm::length(way);
-    Real own[3];
-    m_values.sample(ws, own);
-    lightAt(ws, r > 0 ? luminairePart(lamp(), m_frame, way / r) : 0, own);
-    for (int c = 0; c < 3; ++c) rgb[c] += own[c] * static_cast<Real>(nearShare(r) * decay(r * r));
+    const double r = glm::length(way), profile = r > 0 ? luminairePart(lamp(), m_frame, way / r) : 0;
+    CellField::LastBlock last;
+    Means means;
+    sampleAll(ws, last, means);
+    const Arrival arrival = arrivalAt(ws);
+    for (const Part& part : m_parts) {
+        Real own[3];
+        meanOf(part, means, own);
+        lightOf(part, arrival, profile, own);
+        for (int c = 0; c < 3; ++c) rgb[c] += own[c] * static_cast<Real>(nearShare(r) * decay(r * r));
+    }
 }
 
 bool LampField::reaches(const Bounds& ws) const {
@@ -212,17 +283,15 @@ bool LampField::reaches(const Bounds& ws) const {
     return m_near == 0 || glm::distance(at, glm::clamp(at, ws.lower, ws.upper)) < m_near;
 }
 
-// What the mean over the eye's path makes of 1/r^2 and, near a sphere, of attenuation.
-double LampField::meanOnPath(const Vec3& way, const Vec3& path, double extinction) const {
+bool LampField::isNearSphere(const Vec3& way, const Vec3& path) const {
     constexpr double kNear = 4;
     const double radius = radiusOfSphere(lamp());
-    if (radius > 0 && glm::dot(way, way) < kNear * kNear * (radius * radius + glm::dot(path, path)))
-        return meanNearSphere(way, path, extinction);
-    return radius > 0 || lamp().point().decay ? meanDecay(way, path) : 1;
+    return radius > 0 && glm::dot(way, way) < kNear * kNear * (radius * radius + glm::dot(path, path));
 }
 
 void LampField::addTo(const SamplePlane& plane, const SampleTile& samples, const Real* extinction,
                       Real* const rgb[3]) const {
+    const bool decays = radiusOfSphere(lamp()) > 0 || lamp().point().decay;
     CellField::LastBlock last;
     for (int k = 0; k < kTileSize; ++k) {
         if (extinction[k] == 0) continue;
@@ -230,19 +299,37 @@ void LampField::addTo(const SamplePlane& plane, const SampleTile& samples, const
         const Real share = m_near > 0 ? static_cast<Real>(nearShare(glm::length(way))) : Real(1);
         if (share == 0) continue;
         const SheetPath path(plane, samples, k, extinction[k]);
-        Real found[3];
-        m_values.sample(path.wsNear + path.wsSeen, last, found);
-        const Real factor = share * static_cast<Real>(meanOnPath(way, path.ws, double(found[1])));
-        const double part = meanProfile(way, path.ws);
-        lightAt(path.wsNear, part, found);
+        // What the mean over the eye's path makes of 1/r^2 and, near a sphere, of attenuation.
+        const bool near = isNearSphere(way, path.ws);
+        const double even = near ? 0 : decays ? meanDecay(way, path.ws) : 1, profile = meanProfile(way, path.ws);
+        Means means, farther;
+        sampleAll(path.wsNear + path.wsSeen, last, means);
+        const Arrival arrival = arrivalAt(path.wsNear);
+        Arrival behindIt = arrival;
         if (path.thick) {
-            Real behind[3];
-            m_values.sample(path.wsFar + path.wsSeen, last, behind);
-            lightAt(path.wsFar, part, behind);
-            for (int c = 0; c < 3; ++c) found[c] += path.farther * (behind[c] - found[c]);
+            sampleAll(path.wsFar + path.wsSeen, last, farther);
+            behindIt = arrivalAt(path.wsFar);
         }
-        for (int c = 0; c < 3; ++c) rgb[c][k] += factor * found[c];
+        for (const Part& part : m_parts) {
+            Real found[3];
+            meanOf(part, means, found);
+            const Real factor = share * static_cast<Real>(near ? meanNearSphere(way, path.ws, double(found[1])) : even);
+            lightOf(part, arrival, profile, found);
+            if (path.thick) {
+                Real behind[3];
+                meanOf(part, farther, behind);
+                lightOf(part, behindIt, profile, behind);
+                for (int c = 0; c < 3; ++c) found[c] += path.farther * (behind[c] - found[c]);
+            }
+            for (int c = 0; c < 3; ++c) rgb[c][k] += factor * found[c];
+        }
     }
+}
+
+std::size_t LampField::bytes() const {
+    std::size_t bytes = 0;
+    for (const Knot& knot : m_knots) bytes += knot.values.bytes();
+    return bytes;
 }
 
 void sharpenMeans(CellField& field, const std::function<double(const Int3& cell)>& wayTo) {

@@ -15,15 +15,15 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace scrim {
 
 /// What a lamp lights.
 struct LampView {
-    Light lamp;   ///< a point light, or a sphere
-    Phase phase;  ///< towards the camera
+    Light lamp;                   ///< a point light, or a sphere
+    std::vector<Octave> octaves;  ///< what the medium sends towards the camera, with descending extinctions
     Camera camera;
-    double extinction = 1;   ///< factor on the extinction that the light passes (see Octaves)
     bool attenuated = true;  ///< volumes hold its light back
     bool nearby = false;     ///< only near the lamp, because cells that many lamps share keep its light farther away
 };
@@ -33,19 +33,25 @@ class LampField {
     LampField(const LampView& view, std::shared_ptr<const CellGrid> grid, int colours);
 
     const Light& lamp() const { return m_view.lamp; }
-    /// What cells keep: first the transmittance from the lamp, after makeMean the mean extinction, per world unit.
-    CellField& values() { return m_values; }
-    const CellField& values() const { return m_values; }
+    /// What cells keep for some factors on extinction (see Octaves), between which octaves interpolate the mean
+    /// extinction: of a sphere's light, which comes by many ways, it depends on that factor.
+    struct Knot {
+        double extinction;  ///< the factor
+        CellField
+            values;  ///< first the transmittance from the lamp, after makeMean the mean extinction, per world unit
+    };
+    std::vector<Knot>& knots() { return m_knots; }
     /// Replaces the transmittance t that is kept by the mean extinction on the way from the lamp, -log(t) / (length of
     /// the way). `media`: what dims the light near the surface of a sphere. There the light comes from so many sides
     /// that the lamp's points do not represent it, and the extinction is computed anew. `open`: the fraction of the
     /// light that passes solids; null: there are no solids.
     void makeMean(const MediaTogether& media, std::shared_ptr<const CellField> open);
-    /// The lamp's light at a point, with a transmittance of the way there, but for the part that is kept near the lamp.
-    Rgb farLight(const Vec3& ws, double transmittance) const;
+    /// The lamp's light at a point, of the octaves that are nearest to a knot, with its transmittance of the way there;
+    /// but for the part that is kept near the lamp.
+    Rgb farLight(std::size_t knot, const Vec3& ws, double transmittance) const;
     /// What farLight gives beyond `reach` (world units) without attenuation, times the square of the distance, if it
     /// depends on no more than that; none: it does.
-    std::optional<Rgb> evenFarLight(double& reach) const;
+    std::optional<Rgb> evenFarLight(std::size_t knot, double& reach) const;
 
     /// True if the field has light in the box.
     bool reaches(const Bounds& ws) const;
@@ -54,27 +60,49 @@ class LampField {
     /// Adds the light at a tile of samples, as CellField::lookUp.
     void addTo(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3]) const;
 
-    std::size_t bytes() const { return m_values.bytes(); }
+    std::size_t bytes() const;
 
   private:
+    // An octave of the medium: its mean extinction is low * that of `knot` + high * that of the next one.
+    struct Part {
+        Octave octave;
+        std::size_t knot = 0, nearest = 0;
+        double low = 1, high = 0;
+        std::shared_ptr<const PhaseOverCaps> caps;  // of a sphere, which fills a cone; null: of a point, or isotropic
+    };
+    static constexpr std::size_t kMostKnots = 3;
+    using Means = Real[kMostKnots][3];
+    // How the lamp shines at a place: the cosine towards the eye, the half angle that a sphere fills there, a factor
+    // for its solid angle, the way of its light, and what solids let through.
+    struct Arrival {
+        double toEye, halfAngle, solidAngle, length, open;
+    };
+
+    const CellGrid& grid() const { return m_knots.front().values.grid(); }
+    std::size_t colours() const { return m_knots.front().values.colours(); }
     double wayTo(const Int3& cell) const;
-    void keepNearSphere(const MediaTogether& media, const Vec3& ws, Real* values) const;
+    void makeMean(Knot& knot, const MediaTogether& media) const;
+    void keepNearSphere(const Knot& knot, const MediaTogether& media, const Vec3& ws, Real* values) const;
     double nearShare(double r) const;
-    double factor(const Vec3& ws) const;
+    Arrival arrivalAt(const Vec3& ws) const;
+    double scattered(const Part& part, const Arrival& arrival) const;
     double decay(double r2) const;
-    void lightAt(const Vec3& ws, double part, Real (&rgb)[3]) const;
+    void sampleAll(const Vec3& ws, CellField::LastBlock& last, Means& means) const;
+    static void meanOf(const Part& part, const Means& means, Real (&mean)[3]);
+    void lightOf(const Part& part, const Arrival& arrival, double profile, Real (&rgb)[3]) const;
     double meanProfile(const Vec3& way, const Vec3& path) const;
     double meanDecay(const Vec3& way, const Vec3& path) const;
     double meanNearSphere(const Vec3& way, const Vec3& path, double extinction) const;
-    double meanOnPath(const Vec3& way, const Vec3& path, double extinction) const;
+    bool isNearSphere(const Vec3& way, const Vec3& path) const;
 
     LampView m_view;
-    CellField m_values;
+    std::vector<Knot> m_knots;  // with descending factors
+    std::vector<Part> m_parts;
     Mat3 m_frame{1.0};  // of its luminaire
     std::shared_ptr<const CellField> m_open;
-    double m_near = 0;                            // `nearby`: how far its cells reach, world units; 0: everywhere
-    bool m_hollow = false;                        // the lamp is a sphere whose light begins at its surface
-    std::shared_ptr<const PhaseOverCaps> m_caps;  // of a sphere, which fills a cone; null: of a point, or isotropic
+    double m_near = 0;      // `nearby`: how far its cells reach, world units; 0: everywhere
+    bool m_hollow = false;  // the lamp is a sphere whose light begins at its surface
+    bool m_even = true;     // all octaves scatter to all sides alike
 };
 
 /// Takes from the mean extinctions of a field, each on the way of `wayTo` to a cell, what linear interpolation and

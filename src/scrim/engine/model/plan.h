@@ -138,6 +138,7 @@ struct TransportPlan {
 struct CellLevel {
     std::vector<bool> volumes;  ///< for each of ViewScene::volumes
     std::vector<double> edges;  ///< for each light of CellLightPlan the edge of its cells, world units
+    double features = 0;        ///< about the size of what light shows, world units: the most for cells of octaves
     double coarser = 1;         ///< how much larger cells are than they should be, for want of memory
 
     double smallest() const { return *std::min_element(edges.begin(), edges.end()); }

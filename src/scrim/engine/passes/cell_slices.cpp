@@ -434,7 +434,7 @@ void CellSlices::markBlocks(Real least, std::vector<bool>& marked) const {
     });
 }
 
-void CellSlices::addFarLight(const LampField& lamp, int colour, CellField& far) const {
+void CellSlices::addFarLight(const LampField& lamp, std::size_t knot, int colour, CellField& far) const {
     const CellGrid& grid = far.grid();
     // Along this axis a lamp lights the cells to which the way is longest along it.
     const Vec3 source = grid.csFromWs(lamp.lamp().wsPosition);
@@ -445,12 +445,12 @@ void CellSlices::addFarLight(const LampField& lamp, int colour, CellField& far) 
         return std::max(way.x, way.y) - kHalf - reach <= way.z + kHalf + reach;
     };
     double near = 0;
-    const std::optional<Rgb> even = lamp.evenFarLight(near);
+    const std::optional<Rgb> even = lamp.evenFarLight(knot, near);
     const auto add = [&](const Int3& at, std::size_t from, Real* out) {
         if (m_sums[0][from] == 0) return;
         const Vec3 ws = grid.wsFromCs(Vec3(at) - 0.5), way = ws - lamp.lamp().wsPosition;
         const double r2 = glm::dot(way, way), arrives = double(m_sums[0][from]);
-        const Rgb light = even && r2 > near * near ? arrives / r2 * *even : lamp.farLight(ws, arrives);
+        const Rgb light = even && r2 > near * near ? arrives / r2 * *even : lamp.farLight(knot, ws, arrives);
         if (far.colours() == 1)
             out[0] += static_cast<Real>(largest(light));
         else

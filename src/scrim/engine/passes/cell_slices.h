@@ -110,9 +110,9 @@ class CellSlices {
     void addTo(std::size_t first, std::size_t count, std::size_t to, CellField& field) const;
     /// Marks the grid's stored blocks that have a cell whose first sum is more than `least`.
     void markBlocks(Real least, std::vector<bool>& marked) const;
-    /// Adds to `far` the light of `lamp`, whose transmittance the sums are, at cells far from it. `colour`: the only
-    /// one that the sums are for; -1: all.
-    void addFarLight(const LampField& lamp, int colour, CellField& far) const;
+    /// Adds to `far` the light of `lamp`, whose transmittance at a knot the sums are, at cells far from it. `colour`:
+    /// the only one that the sums are for; -1: all.
+    void addFarLight(const LampField& lamp, std::size_t knot, int colour, CellField& far) const;
     std::size_t bytes() const;
 
   private:

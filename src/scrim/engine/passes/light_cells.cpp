@@ -6,6 +6,7 @@
 #include <scrim/engine/lamps/lamp.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/passes/level_media.h>
+#include <scrim/engine/passes/light_jobs.h>
 #include <scrim/engine/passes/lit_surfaces.h>
 #include <scrim/engine/passes/sky_peaks.h>
 #include <scrim/engine/passes/sources.h>
@@ -118,20 +119,6 @@ HWY_EXPORT(sweepCells);
 
 namespace {
 
-// What one class of volumes shows of some lights by one octave: a field, and the passes that fill it.
-struct Job {
-    int first;  // index of the first light; the same volumes hold back all
-    Sources sources;
-    Octave octave;
-    std::shared_ptr<CellField> field;           // of a lamp: what it shares with others; null: it is alone
-    std::shared_ptr<LampField> lamp = nullptr;  // of the only light, if it is a lamp
-    std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
-    std::size_t media = 0;                      // index of what holds the light back (addMedia)
-    std::vector<WidePhase> wide = {};           // for each light of `sources`; empty: of a lamp, or of surfaces
-    int surface = -1;                           // the classified volume that reflects the light; -1: media scatter it
-    std::shared_ptr<CellField> mirrored = {};   // its highlights, if it has any; `field` has its diffuse part
-};
-
 // Exactly at the centre of a cell, a point would belong to no face of the cube around it.
 Vec3 placeOfPoint(const Vec3& ws, const CellSlices& slices) {
     return slices.place(ws + slices.edge() * Vec3(1e-4, 1.1e-4, 1.2e-4));
@@ -149,11 +136,11 @@ class Pass {
 
     // `colour`: the only one that the slices' extinction is for; -1: all. What is shown of surfaces must be faced.
     // `coarser`: see Passage.
-    void add(const Job& job, int colour, const std::vector<CellSlices>& coarser, CellSlices& slices) {
+    void add(const LightJob& job, int colour, const std::vector<CellSlices>& coarser, CellSlices& slices) {
         const Sources& sources = job.sources;
         const Octave& octave = job.octave;
         const LampField* lamp = job.lamp.get();
-        CellField& field = lamp ? job.lamp->values() : *job.field;
+        CellField& field = lamp ? job.lamp->knots()[job.knot].values : *job.field;
         const std::size_t colours = colour < 0 ? field.colours() : 1;
         CellView view;
         view.colours = colours;
@@ -197,7 +184,7 @@ class Pass {
             if (job.mirrored) slices.addTo(colours, colours, to, *job.mirrored);
         }
         slices.restore(before);
-        if (lamp && job.field) slices.addFarLight(*lamp, colour, *job.field);
+        if (lamp && job.field) slices.addFarLight(*lamp, job.knot, colour, *job.field);
     }
 
     // Pairs of cells and sources so far.
@@ -210,7 +197,7 @@ class Pass {
     };
     // The rays of the sources of one light, `range` of those of a job, that pass the slices along their axis, with
     // weights for `colours`, of which `colour` is the first and only one unless it is -1.
-    Rays raysFrom(const Job& job, std::pair<std::size_t, std::size_t> range, int colour, std::size_t colours,
+    Rays raysFrom(const LightJob& job, std::pair<std::size_t, std::size_t> range, int colour, std::size_t colours,
                   const CellSlices& slices) const {
         static const WidePhase kNarrow;
         const Sources& sources = job.sources;
@@ -279,156 +266,11 @@ class Pass {
     std::uint64_t m_directions = 0;
 };
 
-// Lights share a field unless layers, or the volumes and solids that cast shadows in them, tell them apart. Lamps share
-// one with each other, and have small ones of their own.
-std::vector<std::vector<int>> groupsOf(const LevelScene& level, const std::vector<int>& lights) {
-    const ViewScene& scene = level.all;
-    std::vector<int> lamps, others;
-    for (const int light : lights)
-        (isLampOnCells(level.own, scene.lights[std::size_t(light)]) ? lamps : others).push_back(light);
-    std::vector<std::vector<int>> groups;
-    std::map<std::tuple<int, std::vector<bool>, bool>, std::vector<int>> alike;
-    for (const int light : others)
-        alike[{wants(scene, Layer::light) ? lightOfLayer(scene, light) : 0, castersIn(scene, std::size_t(light)),
-               isBlocked(scene, std::size_t(light))}]
-            .push_back(light);
-    for (const auto& [key, some] : alike) groups.push_back(some);
-    const bool together = lampsShareCells(level.own);
-    if (together && !lamps.empty()) groups.push_back(lamps);
-    for (std::size_t i = 0; !together && i < lamps.size(); ++i) groups.push_back({lamps[i]});
-    return groups;
-}
-
-// Makes the jobs of one group of lights.
-class Jobs {
-  public:
-    Jobs(const LevelScene& level, const std::vector<int>& group, std::shared_ptr<const CellGrid> grid, bool grey)
-        : m_scene(level.own),
-          m_all(level.all),
-          m_group(group),
-          m_grid(std::move(grid)),
-          m_grey(grey),
-          m_lamps(isLampOnCells(m_scene, m_scene.lights[std::size_t(group.front())])) {}
-
-    // Their fields become those of `direct` or, beyond the first octave, of `again`, which may be the same.
-    std::vector<Job> make(CellLight& direct, CellLight& again) const {
-        std::vector<Job> jobs;
-        // Volumes that scatter fully are apart, since others bring some lights to them.
-        const std::vector<ServedLight> served = servedLights(m_scene, m_group);
-        for (const bool full : {false, true})
-            for (const std::vector<int>& volumes : alikeVolumes(m_scene, [full](const ViewVolume& volume) {
-                     return !volume.field->empty() && !volume.holdout && !volume.classified &&
-                            scattersFully(volume) == full;
-                 })) {
-                std::vector<int> lit;
-                for (const int i : m_group)
-                    if (served[std::size_t(i)].volumes[std::size_t(volumes.front())] == Server::cells) lit.push_back(i);
-                if (lit.empty()) continue;
-                const std::vector<Octave> octaves = octavesOf(m_scene.volumes[std::size_t(volumes.front())].medium);
-                const bool apart = &direct != &again;
-                const std::span<const Octave> all(octaves);
-                add(lit, all.first(apart ? 1 : octaves.size()), volumes, direct, jobs);
-                if (apart && octaves.size() > 1) add(lit, all.subspan(1), volumes, again, jobs);
-            }
-        return jobs;
-    }
-
-    // The job of a classified volume: what it reflects becomes that of two lights.
-    void addSurface(std::size_t v, const std::shared_ptr<const CellGrid>& cells, CellLight& diffuse,
-                    CellLight& mirrored, std::vector<Job>& jobs) const {
-        const std::vector<ServedLight> served = servedLights(m_scene, m_group);
-        std::vector<int> lit;
-        for (const int i : m_group)
-            if (served[std::size_t(i)].volumes[v] == Server::cells) lit.push_back(i);
-        if (lit.empty()) return;
-        Sources sources = coloured(heldBack(sourcesForSurfaces(m_scene, lit), lit));
-        if (sources.lights.empty()) return;
-        const auto kept = [&](CellLight& light) {
-            const auto field = std::make_shared<CellField>(cells, static_cast<int>(sources.colours), sources.tint);
-            light.ofVolume[v] = std::make_shared<const VolumeLight>(VolumeLight{field, {}});
-            return field;
-        };
-        Job job{lit.front(), sources, {}, kept(diffuse)};
-        job.surface = static_cast<int>(v);
-        if (m_scene.volumes[v].classified->specular > 0) job.mirrored = kept(mirrored);
-        jobs.push_back(std::move(job));
-    }
-
-  private:
-    // Volumes of any level hold them back.
-    Sources heldBack(Sources sources, const std::vector<int>& lights) const {
-        sources.attenuated = isHeldBack(m_all, std::size_t(lights.front()));
-        return sources;
-    }
-    // With a value for each colour where extinction has one.
-    Sources coloured(Sources sources) const {
-        if (!m_grey) sources.colours = 3;
-        if (sources.colours == 3) sources.tint = Rgb(1);
-        return sources;
-    }
-    // Adds the jobs of some octaves, whose light becomes that of these volumes.
-    void add(const std::vector<int>& lit, std::span<const Octave> octaves, const std::vector<int>& volumes,
-             CellLight& light, std::vector<Job>& jobs) const {
-        VolumeLight shown;
-        if (m_lamps)
-            addLamps(lit, octaves, shown, jobs);
-        else
-            addOthers(lit, octaves, shown, jobs);
-        if (!shown.field && shown.lamps.empty()) return;
-        const auto kept = std::make_shared<const VolumeLight>(std::move(shown));
-        for (const int v : volumes) light.ofVolume[std::size_t(v)] = kept;
-    }
-    void addOthers(const std::vector<int>& lit, std::span<const Octave> octaves, VolumeLight& shown,
-                   std::vector<Job>& jobs) const {
-        const Sources sources = coloured(heldBack(sourcesOf(m_scene, lit), lit));
-        if (sources.lights.empty()) return;
-        const auto field = std::make_shared<CellField>(m_grid, static_cast<int>(sources.colours), sources.tint);
-        shown.field = field;
-        for (const Octave& octave : octaves) {
-            Job& job = jobs.emplace_back(Job{lit.front(), sources, octave, field});
-            job.wide = widePhases(m_scene, sources, octave.phase);
-        }
-    }
-    // Lamps have fields of their own; if they share cells, these are small, and a field of all keeps the rest.
-    void addLamps(const std::vector<int>& lit, std::span<const Octave> octaves, VolumeLight& shown,
-                  std::vector<Job>& jobs) const {
-        const bool together = lampsShareCells(m_scene);
-        std::shared_ptr<CellField> far;
-        if (together) {
-            bool coloured = !m_grey;
-            const Rgb tint = m_scene.lights[std::size_t(lit.front())].intensity;
-            for (const int i : lit) coloured = coloured || !sameColour(tint, m_scene.lights[std::size_t(i)].intensity);
-            far = std::make_shared<CellField>(m_grid, coloured ? 3 : 1, coloured ? Rgb(1) : tint / largest(tint));
-        }
-        shown.field = far;
-        for (const int i : lit) {
-            const Light& light = m_scene.lights[std::size_t(i)];
-            const Sources sources = heldBack(sourcesOf(m_scene, {i}), {i});
-            const auto cells = together ? cellsNear(light, *m_grid, cornerOfVoxels(m_scene, m_grid->edge())) : m_grid;
-            for (const Octave& octave : octaves) {
-                LampView view{light, octave.phase, m_scene.camera, octave.extinction};
-                view.lamp.intensity *= octave.share;
-                view.attenuated = sources.attenuated;
-                view.nearby = together;
-                const auto lamp = std::make_shared<LampField>(view, cells, m_grey ? 1 : 3);
-                shown.lamps.push_back(lamp);
-                // What the cells keep is a transmittance; the field knows the lamp's share.
-                jobs.push_back({i, sources, {{}, octave.extinction}, far, lamp});
-            }
-        }
-    }
-
-    const ViewScene &m_scene, &m_all;
-    const std::vector<int>& m_group;
-    std::shared_ptr<const CellGrid> m_grid;
-    bool m_grey, m_lamps;
-};
-
 // Finds what holds back the light of each job: on the level's own cells without its surfaces' extinction, which is
 // added.
-void findMedia(const LevelScene& level, const LevelMedia& media, const LitSurfaces& surfaces, std::vector<Job>& jobs,
-               std::vector<Holding>& held) {
-    for (Job& job : jobs) {
+void findMedia(const LevelScene& level, const LevelMedia& media, const LitSurfaces& surfaces,
+               std::vector<LightJob>& jobs, std::vector<Holding>& held) {
+    for (LightJob& job : jobs) {
         if (!job.sources.attenuated) continue;
         const std::vector<bool> casters = castersIn(level.all, std::size_t(job.first));
         const auto known = std::ranges::find(held, casters, &Holding::casters);
@@ -472,71 +314,23 @@ std::vector<bool> blocksSeen(const ViewScene& scene, const CellGrid& grid, const
     return seen;
 }
 
-// The jobs for these lights, whose fields become those of `all`.
-std::vector<Job> allJobs(const LevelScene& level, const std::vector<int>& lights,
-                         const std::shared_ptr<const CellGrid>& grid, const LitSurfaces& surfaces, bool grey,
-                         std::vector<CellLight>& all) {
-    const ViewScene& scene = level.all;
-    std::vector<Job> jobs;
-    std::map<int, std::shared_ptr<CellField>> open;  // by lamp
-    const auto keep = [&](CellLight&& light) {
-        if (std::ranges::any_of(light.ofVolume, [](const auto& own) { return own != nullptr; }))
-            all.push_back(std::move(light));
-    };
-    for (const std::vector<int>& group : groupsOf(level, lights)) {
-        CellLight direct;
-        if (wants(scene, Layer::light)) direct.output = Output{Layer::light, lightOfLayer(scene, group.front())};
-        direct.ofVolume.resize(scene.volumes.size());
-        CellLight again = direct, diffuse = direct, mirrored = direct;
-        again.again = true;
-        diffuse.as = ShownAs::diffuse;
-        mirrored.as = ShownAs::mirrored;
-        const bool apart = wants(scene, Layer::indirect);
-        const Jobs make(level, group, grid, grey);
-        for (Job& job : make.make(direct, apart ? again : direct)) {
-            if (job.lamp && isBlocked(scene, std::size_t(job.first))) {
-                std::shared_ptr<CellField>& own = open[job.first];
-                if (!own) own = std::make_shared<CellField>(grid, 1);
-                job.open = own;
-            }
-            jobs.push_back(std::move(job));
-        }
-        for (std::size_t v = 0; v < scene.volumes.size(); ++v)
-            if (surfaces.grid(v)) make.addSurface(v, surfaces.grid(v), diffuse, mirrored, jobs);
-        for (CellLight* light : {&direct, &again, &diffuse, &mirrored}) keep(std::move(*light));
-    }
-    return jobs;
-}
-
-// What the fields of the jobs keep.
-std::size_t bytesOf(const std::vector<Job>& jobs) {
-    std::set<const CellField*> fields;
-    std::size_t bytes = 0;
-    for (const Job& job : jobs) {
-        for (const CellField* field : {job.field.get(), job.open.get(), job.mirrored.get()})
-            if (field && fields.insert(field).second) bytes += field->bytes();
-        if (job.lamp) bytes += job.lamp->bytes();
-    }
-    return bytes;
-}
-
 // Fills what solids let through of the lamps' light.
-void passOpen(const std::vector<Job>& jobs, Pass& pass, CellSlices& slices) {
+void passOpen(const std::vector<LightJob>& jobs, Pass& pass, CellSlices& slices) {
     std::set<const CellField*> opened;  // octaves of a lamp share it
-    for (const Job& job : jobs) {
+    for (const LightJob& job : jobs) {
         if (!job.open || !opened.insert(job.open.get()).second) continue;
         constexpr int kForEdges = 4;  // times as many points, whose shadows have edges
         Sources open = sourcesOfLamp(job.lamp->lamp(), kForEdges * static_cast<int>(job.sources.lights.size()));
         open.attenuated = false;
         open.blocked = true;
-        pass.add(Job{job.first, std::move(open), {}, job.open}, -1, {}, slices);
+        pass.add(LightJob{job.first, std::move(open), {}, job.open}, -1, {}, slices);
     }
 }
 
-}  // namespace
-
-std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<int>& lights, double edge, Simd simd,
-                                    const std::function<void()>& checkpoint, CellLightWork& work) {
+// The light of these octaves on cells of `edge`.
+std::vector<CellLight> octavesOnCells(const LevelScene& level, const std::vector<int>& lights,
+                                      const OctaveCells& octaves, double edge, Simd simd,
+                                      const std::function<void()>& checkpoint, CellLightWork& work) {
     const ViewScene &scene = level.all, &own = level.own, &holding = level.holding;
     // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them. Cells of
     // surfaces know where these begin; only texels blur that.
@@ -558,7 +352,7 @@ std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<i
     const std::size_t rows = held.front().own.extinction.size();
     const bool grey = rows == 1;
     std::vector<CellLight> all;
-    std::vector<Job> jobs = allJobs(level, lights, grid, surfaces, grey, all);
+    std::vector<LightJob> jobs = lightJobs(level, lights, octaves, grid, surfaces, grey, all);
     if (jobs.empty()) return all;
     work.bytes += bytesOf(jobs);
     findMedia(level, media, surfaces, jobs, held);
@@ -573,7 +367,7 @@ std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<i
             m == 0 ? slices.fill(held[m].own.extinction[c], reach, surfaces.byValue(), shown)
                    : slices.refill(held[m].own.extinction[c]);
             const std::vector<CellSlices> before = coarser.along(axis, held[m], c);
-            for (const Job& job : jobs) {
+            for (const LightJob& job : jobs) {
                 if (job.media != m) continue;
                 if (job.surface >= 0) surfaces.face(job.surface, slices);
                 if (m == 0 && job.sources.attenuated) surfaces.classify(slices);
@@ -584,14 +378,25 @@ std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<i
         passOpen(jobs, pass, slices);
         most = std::max(most, slices.bytes());
     }
-    for (const Job& job : jobs)
-        if (job.lamp)
+    for (const LightJob& job : jobs)
+        if (job.lamp && job.knot == 0)
             job.lamp->makeMean(held[job.media].together(), job.open);
-        else if (job.surface < 0)
+        else if (!job.lamp && job.surface < 0)
             addPeaks(scene, job.sources, job.wide, job.octave, held[job.media].together(), *job.field, checkpoint);
     for (const Holding& one : held) work.bytes += one.bytes();
     work.bytes += most + surfaces.bytes();
     work.directions += pass.directions();
+    return all;
+}
+
+}  // namespace
+
+std::vector<CellLight> lightOnCells(const LevelScene& level, const std::vector<int>& lights, double edge, Simd simd,
+                                    const std::function<void()>& checkpoint, CellLightWork& work) {
+    std::vector<CellLight> all;
+    for (const OctaveCells& octaves : octaveCells(level, lights, edge))
+        for (CellLight& light : octavesOnCells(level, lights, octaves, octaves.larger * edge, simd, checkpoint, work))
+            all.push_back(std::move(light));
     return all;
 }
 

@@ -109,13 +109,4 @@ std::vector<WidePhase> widePhases(const ViewScene& scene, const Sources& sources
     return all;
 }
 
-std::vector<Octave> octavesOf(const Medium& medium) {
-    std::vector<Octave> all{{medium.phase}};
-    const Octaves& o = medium.octaves;
-    for (int n = 1; n < o.count; ++n)
-        all.push_back(
-            {flattened(medium.phase, std::pow(o.phase, n)), std::pow(o.extinction, n), std::pow(o.contribution, n)});
-    return all;
-}
-
 }  // namespace scrim

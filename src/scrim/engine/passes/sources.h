@@ -37,14 +37,6 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights);
 /// radius r send (1 + r^2 / 4 d^2) times the light of its middle to a place at distance d, as the sphere does.
 Sources sourcesForSurfaces(const ViewScene& scene, const std::vector<int>& lights);
 
-/// What one octave of a medium sends towards the eye; the first one is single scattering (see Octaves).
-struct Octave {
-    Phase phase;
-    double extinction = 1;  ///< factor on what attenuates the light
-    double share = 1;       ///< factor on the light
-};
-std::vector<Octave> octavesOf(const Medium& medium);
-
 /// What stands for a phase function where the sub-lights of a light are wider than its lobes. A sky is smooth: a few
 /// rays see what a peak shows of it (addPeaks). A surface has edges, which the peak blurs, and so do means over what
 /// its points stand for.

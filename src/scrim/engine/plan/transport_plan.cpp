@@ -203,6 +203,7 @@ bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec
 }
 
 constexpr double kMostAlong = 256, kMostWithEmpty = 1024;  // cells, see lightCell
+constexpr double kFeatures = 1.0 / 120;                    // of what is occupied: the size of what is there
 
 // The length of what is occupied, voxels, or a part of that of the box around it.
 double longestOf(const ViewScene& scene) {
@@ -223,7 +224,7 @@ double longestOf(const ViewScene& scene) {
 double lightCell(const ViewScene& scene, const Light& light, double longest) {
     if (scene.dials.lightCell) return *scene.dials.lightCell;
     if (hasSurfaces(scene)) return surfaceCell(scene);
-    constexpr double kFine = 0.004, kFeatures = 1.0 / 120, kRims = 0.2;
+    constexpr double kFine = 0.004, kRims = 0.2;
     // The few points of a sphere are not to be told apart.
     const double features = std::max(kFeatures * longest, isLampOnCells(scene, light) ? 1 : 0.0);
     const double depth = depthOfVoxel(scene), thin = kDepth / depth * std::min(1.0, kRims / depth);
@@ -275,6 +276,9 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan, const CellLe
     const double stored = 2 * occupied(scene, 0.5 * least) / (least * least * least);
     int octaves = 1;
     for (const ViewVolume& volume : scene.volumes) octaves = std::max(octaves, volume.medium.octaves.count);
+    // Cells of further octaves may be larger (octaveCells); a lamp has two fields for them.
+    const bool alike = solidsBlock(scene) || hasSurfaces(scene) || 2 * least > level.features;
+    const double further = octaves == 1 ? 0 : alike ? 1 : 1.0 / 8;
     double lamps = 0, near = 0;
     std::vector<int> apart;
     for (const int i : plan.lights) {
@@ -283,10 +287,11 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan, const CellLe
             apart.push_back(i);
             continue;
         }
-        lamps += octaves;
-        near += octaves * std::min(std::pow(2 * nearestFar(light, least) / least + kCellEdge, 3), stored);
+        lamps += 1 + 2 * further;
+        near += (1 + 2 * further) * std::min(std::pow(2 * nearestFar(light, least) / least + kCellEdge, 3), stored);
     }
-    const double parts = octaves > 1 && wants(scene, Layer::indirect) ? 2 : 1;  // of the light, that are kept apart
+    // Parts of the light that have fields of their own.
+    const double parts = further < 1 || wants(scene, Layer::indirect) ? 1 + further : 1;
     const double others =
         parts * (wants(scene, Layer::light) ? double(apart.size()) : double(castingSets(scene, apart, false)));
     const double media = double(castingSets(scene, plan.lights, true));
@@ -358,11 +363,12 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     };
     for (std::vector<bool>& volumes :
          cellLevels(scene, [&](const ViewScene& own) { return std::ranges::min(edgesFor(own)); }))
-        plan.levels.push_back({std::move(volumes), {}});
+        plan.levels.emplace_back().volumes = std::move(volumes);
     std::vector<double> bytes;
     for (CellLevel& level : plan.levels) {
         const ViewScene own = plan.levels.size() > 1 ? withVoxelsOf(scene, level.volumes) : scene;
         level.edges = edgesFor(own);
+        level.features = kFeatures * longestOf(own) * voxelUnit(own);
         bytes.push_back(cellBytes(own, plan, level));
     }
     growCells(scene, plan, bytes);

@@ -160,7 +160,7 @@ TEST(LampField, IsFiniteAtTheLamp) {
     ViewScene scene = orthographicScene(boxField(Int3(-4), Int3(4)), {0.5, Rgb(1), {}}, 24, 24);
     scene.lights = {lamp({0, 0, 0}, 5)};
     const CellMedia media = cellMedia(scene, {}, 1, Simd(), {.margin = 1});
-    LampField field({scene.lights[0], {}, scene.camera}, std::make_shared<const CellGrid>(media.grid), 1);
+    LampField field({scene.lights[0], octavesOf({}), scene.camera}, std::make_shared<const CellGrid>(media.grid), 1);
     field.makeMean({&media}, nullptr);
     Real rgb[3] = {0, 0, 0};
     field.addTo(Vec3(0), rgb);
