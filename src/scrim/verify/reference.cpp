@@ -132,15 +132,35 @@ double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) 
     return step / std::min(most, kMostSlideSteps);
 }
 
-// Near a lamp its light changes over the distance to it, and at the surface of a sphere it begins.
+namespace {
+
+// The angle under which a lamp may see a step from `ws` so that what limits its light changes little in it.
+double evenAngle(const Light& lamp, const Vec3& ws) {
+    constexpr double kEven = 0.25, kProfile = 0.05, kOfBorder = 0.25, kOfAngle = 0.5;
+    double even = lamp.luminaire || lamp.slide ? kProfile : kEven;
+    if (const Light::Spot* spot = lamp.spot(); spot && ws != lamp.wsPosition) {
+        const SpotEdges edges(*spot);
+        const auto angleOf = [](double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)); };
+        const double outer = angleOf(edges.outer), inner = angleOf(edges.inner),
+                     own = angleOf(glm::dot(glm::normalize(ws - lamp.wsPosition), lamp.wsDirection));
+        // Beside the border a step cannot reach it before it has passed the angle up to it.
+        even = std::min(even, std::max(kOfBorder * (outer - inner), kOfAngle * std::max(own - outer, inner - own)));
+    }
+    return even;
+}
+
+}  // namespace
+
+// Near a lamp its light changes over the distance to it, and at the surface of a sphere it begins. The border of a
+// spot's cone, and a luminaire's profile, are directions that it sees.
 double Reference::lampStep(const Vec3& ws, double step) const {
-    constexpr double kOfDistance = 0.25, kLeast = 0.02;
+    constexpr double kLeast = 0.02;
     for (const Light& light : m_scene.lights) {
         const Light::Area* area = light.area();
         if (light.distant() || light.dome() || (area && area->shape != AreaShape::sphere)) continue;
         const double size = area ? area->radius : 0.1 * m_voxel;
         const double distance = std::abs(glm::distance(ws, light.wsPosition) - (area ? size : 0));
-        step = std::min(step, std::max(kOfDistance * distance, kLeast * size));
+        step = std::min(step, std::max(evenAngle(light, ws) * distance, kLeast * size));
     }
     return step;
 }

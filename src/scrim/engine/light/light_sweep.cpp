@@ -35,6 +35,7 @@ NearOnSheet nearLight(const Light& light, const PlannedLight& plan, const Sheets
     out.decay = light.point().decay;
     const double radius = std::max(light.point().radius, kLeastRadius * sheets.thickness);
     out.radius2 = static_cast<Real>(radius * radius);
+    out.ownRadius2 = static_cast<Real>(light.point().radius * light.point().radius);
     const Vec3 axis = sheets.ssFromWs * light.wsDirection;
     out.axisU = static_cast<Real>(axis.x);
     out.axisV = static_cast<Real>(axis.y);
@@ -44,6 +45,10 @@ NearOnSheet nearLight(const Light& light, const PlannedLight& plan, const Sheets
         profile.table = light.luminaire->profile.get();
         const Mat3 frame = sheets.ssFromWs * lightFrame(light);
         for (int c = 0; c < 3; ++c) profile.frame[c] = frame[c];
+    }
+    if (light.slide) {
+        out.slideAngle = static_cast<Real>(slideHalfAngle(light));
+        out.slideEnds = light.slide->outside == SlideOutside::black;
     }
     if (const Light::Element* element = light.element()) {
         const Spread spread(element->spread);
@@ -201,8 +206,10 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
         const Vec2 slope = plan.view.slopeAt(0, 0);
         out.source = DistantOnSheet{static_cast<Real>(slope.x), static_cast<Real>(slope.y)};
     } else {
-        const double away = part < 1 ? 0.5 * part : sheet + 0.5 - plan.view.tsSource.z;
-        out.source = nearLight(light, plan, m_group.sheets, away * m_group.sheets.thickness);
+        const double middle = sheet + 0.5 - plan.view.tsSource.z, away = part < 1 ? 0.5 * part : middle;
+        NearOnSheet lamp = nearLight(light, plan, m_group.sheets, away * m_group.sheets.thickness);
+        lamp.plane = static_cast<Real>((middle - away) * m_group.sheets.thickness);
+        out.source = lamp;
     }
     return out;
 }

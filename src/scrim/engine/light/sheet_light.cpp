@@ -170,8 +170,13 @@ HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, Real sl
     for (int k = 0; k < kTileSize; k += static_cast<int>(hn::Lanes(d))) {
         const auto u = hn::Load(d, samples.u + k), v = hn::Load(d, samples.v + k);
         const auto du = hn::Sub(u, constant(m.u0)), dv = hn::Sub(v, constant(m.v0));
+        // Where samples have parts of the sheet, from the middle of the sheet, and of these parts, in sheets.
+        const auto away = samples.at ? hn::Sub(hn::Load(d, samples.at + k), constant(samples.step)) : zero;
+        const auto part = samples.part ? hn::Load(d, samples.part + k) : one;
         const auto place = [&](int i) HWY_ATTR {
-            return hn::MulAdd(du, constant(m.perU[i]), hn::MulAdd(dv, constant(m.perV[i]), constant(m.at[i])));
+            const auto inMiddle =
+                hn::MulAdd(du, constant(m.perU[i]), hn::MulAdd(dv, constant(m.perV[i]), constant(m.at[i])));
+            return hn::MulAdd(away, constant(m.perN[i]), inMiddle);
         };
         // No light behind the light, or too close to it for floats.
         const auto w = place(2);
@@ -201,7 +206,7 @@ HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, Real sl
             include(hn::Mul(t, hn::NegMulAdd(slopeU, n, constant(step[0]))),
                     hn::Mul(t, hn::NegMulAdd(slopeV, n, constant(step[1]))), zero);
         }
-        include(slopeU, slopeV, one);
+        include(hn::Mul(slopeU, part), hn::Mul(slopeV, part), part);
 
         storeFootprint({lit, x, y, xx, xy, yy}, k, out);
     }

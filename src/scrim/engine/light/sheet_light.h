@@ -65,10 +65,14 @@ struct NearOnSheet {
     };
 
     Real texelU = 0, texelV = 0;           ///< position of the source, in texels
-    Real distanceW = 0;                    ///< its distance to the sheet's plane along w, world units, > 0
+    Real distanceW = 0;                    ///< to the middle, along w, of what it lights of the sheet, world units, > 0
+    Real plane = 0;                        ///< from that middle to the middle of the sheet along w, world units
     Real radius2 = 0;                      ///< world units squared, > 0 if the light decays
+    Real ownRadius2 = 0;                   ///< the same, however thick the sheet is
     bool decay = true;                     ///< with the square of the distance
     Real axisU = 0, axisV = 0, axisW = 1;  ///< for cones and faces
+    Real slideAngle = 0;                   ///< half the angle between opposite corners of its slide, radians; 0: none
+    bool slideEnds = false;                ///< it is black beyond its slide
     std::optional<Cone> cone = {};
     std::optional<Profile> profile = {};
     std::optional<Face> face = {};

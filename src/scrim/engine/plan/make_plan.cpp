@@ -8,6 +8,7 @@
 #include <scrim/engine/light/backdrop.h>
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/model/sub_lights.h>
+#include <scrim/scene/light_at.h>
 #include <scrim/scene/slide_map.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/expected_cost.h>
@@ -26,6 +27,8 @@
 #include <tuple>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 namespace scrim {
 namespace {
@@ -328,6 +331,17 @@ bool eyeAmong(const ViewScene& scene, double texel) {
     return ws.contains(scene.camera.wsPosition);
 }
 
+// True if the border of a spot's cone is sharper than texels where it meets the volumes.
+bool sharpCone(const ViewScene& scene, const Light& light, double texel) {
+    constexpr double kOfTexel = 0.5;
+    if (!light.spot()) return false;
+    const Bounds ws = wsBounds(scene);
+    const SpotEdges edges(*light.spot());
+    const double border = std::acos(edges.outer) - std::acos(edges.inner);
+    return border * glm::distance(light.wsPosition, glm::clamp(light.wsPosition, ws.lower, ws.upper)) <
+           kOfTexel * texel;
+}
+
 // The reason why something in the scene needs shading at pixels; empty if texels serve as well.
 std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::vector<std::string>& culled) {
     const double texel = plan.groups.front().sheets.texel;
@@ -337,7 +351,9 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::ve
     std::string near = plan.cellLights.lamp;
     for (const GroupPlan& group : plan.groups)
         for (const PlannedLight& light : group.lights)
-            if (near.empty() && !light.ssWindows.empty()) near = plan.subLights.of(light.light).name;
+            if (const Light& own = plan.subLights.of(light.light);
+                near.empty() && (!light.ssWindows.empty() || sharpCone(scene, own, texel)))
+                near = own.name;
     if (!near.empty()) return fmt::format("light {} is so near that its light changes between texels", near);
     if (eyeAmong(scene, texel)) return "the eye is so near that its view of a sheet changes between texels";
     if (sharpShadows(scene)) return "shadows of solids have edges that are sharper than texels";

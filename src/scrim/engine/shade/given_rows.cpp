@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shader of balls: samples whose rows are given, and which lie at places of their own in a sheet.
+#include <scrim/engine/shade/pass_solids.h>
 #include <scrim/engine/shade/sheet_rows.h>
 #include <scrim/engine/splat/plane_stack.h>
 
@@ -42,7 +43,7 @@ void SheetShader::shadeGiven(int p, const SampleTile& samples, const GivenRows& 
     addWithinSheet(p, samples, given, rows);
     addCoarserShadows(p, samples, rows);
     addFinerShadows(p, samples, rows);
-    passSolids(p, samples, rows);
+    passSolids(m_lights.onSheet(p), m_group.sheets, samples, rows.unblocked);
     lookUpScattered(lights.sheet, samples, rows);
     work += shadeTile(inputOf(p, samples, rows), out);
 }

@@ -10,6 +10,7 @@
 #endif
 
 #include <scrim/base/real.h>
+#include <scrim/engine/shade/lamp_on_path.h>
 #include <scrim/engine/shade/shade_tile.h>
 
 #include <scrim/engine/simd-inl.h>
@@ -168,12 +169,55 @@ HWY_ATTR void limitToWindow(const NearOnSheet::Window& window, Incidence& in) {
     });
 }
 
+// Where the light sees much of a path at once, its mean over the path counts. Only what has extinction is asked.
+HWY_ATTR void meetAlongPaths(const ShadeInput& input, const NearOnSheet& light, bool attenuated, Incidence& in) {
+    const LampOnPath lamp(light, input.texel, input.thickness);
+    for (int k = 0; lamp.limited() && k < kTileSize; ++k) {
+        const LampOnPath::Course course = lamp.courseOf(*input.samples, k);
+        if (course == LampOnPath::Course::dark) in.irradiance[k] = 0;
+        if (course != LampOnPath::Course::changing) continue;
+        double extinction = 0;
+        for (int r = 0; r < input.channels; ++r) extinction += double(input.extinction[r][k]);
+        if (extinction == 0) continue;
+        const double a = double(input.samples->eyeA[k]), b = double(input.samples->eyeB[k]);
+        const double eye = std::sqrt(1 + a * a + b * b), way = attenuated ? double(in.slant[k]) : 0;
+        const LampOnPath::Mean mean = lamp.over(*input.samples, k, extinction * (way + (input.sameSide ? eye : -eye)));
+        in.irradiance[k] = static_cast<Real>(mean.irradiance);
+        if (mean.irradiance == 0) continue;
+        in.a[k] = static_cast<Real>(mean.a);
+        in.b[k] = static_cast<Real>(mean.b);
+        in.slant[k] = static_cast<Real>(std::sqrt(1 + mean.a * mean.a + mean.b * mean.b));
+    }
+}
+
+// The slide's mean over the paths; false where it is black at all of them.
+HWY_ATTR bool tintAlongPaths(const ShadeInput& input, const SheetLight& light, Real* tint) {
+    const Real toTexels = input.thickness / input.texel;
+    bool any = false;
+    const auto meets = [&](const SampleTile& part, Real* values) {
+        if (tintTile(light.slide, part, toTexels, values))
+            any = true;
+        else
+            std::fill_n(values, 3 * kTileSize, Real(0));
+    };
+    bool wanted[kTileSize];
+    for (int k = 0; k < kTileSize; ++k) {
+        wanted[k] = false;
+        for (int r = 0; r < input.channels; ++r) wanted[k] = wanted[k] || input.extinction[r][k] > 0;
+    }
+    if (light.near() &&
+        LampOnPath(*light.near(), input.texel, input.thickness).average(*input.samples, wanted, 3, meets, tint))
+        return any;
+    return tintTile(light.slide, *input.samples, toTexels, tint);
+}
+
 // A light that shines from a point, with all that limits it.
-HWY_ATTR void meetNear(const ShadeInput& input, const NearOnSheet& light, Incidence& in) {
+HWY_ATTR void meetNear(const ShadeInput& input, const NearOnSheet& light, bool attenuated, Incidence& in) {
     meetPoint(input, light, in);
     if (light.cone) limitToCone(light, *light.cone, in);
     if (light.profile) applyProfile(*light.profile, in);
     if (light.face) limitToFront(light, *light.face, in);
+    meetAlongPaths(input, light, attenuated, in);
     if (light.window) limitToWindow(*light.window, in);
 }
 

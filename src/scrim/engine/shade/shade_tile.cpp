@@ -150,13 +150,12 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
     const SheetLight& light = input.lights[index];
     if (light.slide.image) {
         w.done.slideLookups += kTileSize;
-        if (!tintTile(light.slide, *input.samples, input.thickness / input.texel, w.in.tint))
-            return;  // outside of the slide's picture
+        if (!tintAlongPaths(input, light, w.in.tint)) return;  // outside of the slide's picture
     }
     if (const DistantOnSheet* sun = light.distant())
         meetDistant(*sun, w.in);
     else
-        meetNear(input, *light.near(), w.in);
+        meetNear(input, *light.near(), light.shadowed && light.withinSheet, w.in);
     if (input.unblocked) scale(input.unblocked + index * kTileSize, w.in.irradiance);
     w.done.lightLookups += kTileSize;
 

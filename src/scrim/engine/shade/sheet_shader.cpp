@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/shade/sheet_shader.h>
 
+#include <scrim/engine/shade/pass_solids.h>
 #include <scrim/engine/shade/sheet_rows.h>
 #include <scrim/engine/splat/surface.h>
 #include <scrim/engine/splat/plane_stack.h>
@@ -254,7 +255,7 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     gather([&](int, const PlaneStack& planes, Real* to) { copyTile(planes, p, tx, ty, to); }, rows);
     for (std::size_t i = 0; i < lights.shadows.size(); ++i)
         if (lights.shadows[i]) lights.shadows[i]->lookUpTile(p, tx * kTileEdge, ty * kTileEdge, rows.tauIn[i].values);
-    passSolids(p, samples, rows);
+    passSolids(m_lights.onSheet(p), m_group.sheets, samples, rows.unblocked);
     lookUpScattered(lights.sheet, samples, rows);
     return shadeTile(inputOf(p, samples, rows), out);
 }
@@ -305,7 +306,7 @@ bool SheetShader::shadeGathered(int p, const SampleTile& samples, Rows& rows, Re
         }
     addCoarserShadows(p, samples, rows);
     addFinerShadows(p, samples, rows);
-    passSolids(p, samples, rows);
+    passSolids(m_lights.onSheet(p), m_group.sheets, samples, rows.unblocked);
     lookUpScattered(lights.sheet, samples, rows);
     work += shadeTile(inputOf(p, samples, rows), out);
     return true;
@@ -492,15 +493,6 @@ bool SheetShader::glows(const Rows& rows) const {
 // Surfaces that share sheets with media, or have sheets of their own for each view, are lit like media.
 bool SheetShader::surfacesAlone() const {
     return !m_ofBalls && !m_extinction.surfacesAlone().empty() && m_group.lattice.shared();
-}
-
-// The fraction of each light that passes the solids to the samples.
-void SheetShader::passSolids(int p, const SampleTile& samples, Rows& rows) const {
-    const LightSweep::OnSheet& lights = m_lights.onSheet(p);
-    for (std::size_t i = 0; i < lights.solids.size(); ++i) {
-        std::fill_n(rows.unblocked[i].values, kTileSize, Real(1));
-        if (lights.solids[i]) lights.solids[i]->multiply(lights.sheet, samples, rows.unblocked[i].values);
-    }
 }
 
 // The mean motion of the volumes at the samples, for the layer `motion`.

@@ -94,7 +94,6 @@ class SheetShader {
     void addFinerShadows(int p, const SampleTile& samples, Rows& rows) const;
     void addSeen(const Seen& volume, const Real* extinction, Rows& rows) const;
     bool surfacesAlone() const;
-    void passSolids(int p, const SampleTile& samples, Rows& rows) const;
     void classify(int p, const SampleTile& at, const std::uint8_t* open, bool onward, Rows& rows,
                   ShadeWork& work) const;
     bool shadeGathered(int p, const SampleTile& samples, Rows& rows, Real* out, ShadeWork& work) const;
