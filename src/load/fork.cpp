@@ -2,17 +2,18 @@
 #include "fork.h"
 #include "sanitized.h"
 
-#ifdef SCRIM_SANITIZED
-
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <thread>
+#include <utility>
 
 namespace scrim::load {
 namespace {
 
+/// True also for a thread that is no longer there.
 bool sleeps(const std::filesystem::path& thread) {
     std::string text;
     std::getline(std::ifstream(thread / "stat"), text);
@@ -21,10 +22,26 @@ bool sleeps(const std::filesystem::path& thread) {
 }
 
 bool othersSleep() {
-    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task"))
-        if (thread.path().filename() != std::to_string(::getpid()) && !sleeps(thread.path())) return false;
-    return true;
+    std::error_code error;
+    for (std::filesystem::directory_iterator thread("/proc/self/task", error), end; !error && thread != end;
+         thread.increment(error))
+        if (thread->path().filename() != std::to_string(::getpid()) && !sleeps(thread->path())) return false;
+    return !error;
 }
+
+}  // namespace
+
+void waitForThreadsToSleep() {
+    constexpr int kMostTries = 1000, kInARow = 3;
+    for (int tries = 0, row = 0; tries < kMostTries && row < kInARow; ++tries) {
+        row = othersSleep() ? row + 1 : 0;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+}
+
+#ifdef SCRIM_SANITIZED
+
+namespace {
 
 bool& areQuiet() {
     static bool quiet = false;
@@ -36,28 +53,18 @@ bool& areQuiet() {
 // OpenVDB brings log4cplus along, which starts threads that have nothing to do later. A copy made while one of them
 // allocates would wait for ever for the sanitizer's allocator; that of glibc takes care of it.
 void waitForQuietThreads() {
-    bool& quiet = areQuiet();
-    constexpr int kMostTries = 1000, kInARow = 3;
-    for (int tries = 0, row = 0; !quiet && tries < kMostTries && row < kInARow; ++tries) {
-        row = othersSleep() ? row + 1 : 0;
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    quiet = true;
+    if (!std::exchange(areQuiet(), true)) waitForThreadsToSleep();
 }
 
 void threadsHaveStarted() {
     areQuiet() = false;
 }
 
-}  // namespace scrim::load
-
 #else
-
-namespace scrim::load {
 
 void waitForQuietThreads() {}
 void threadsHaveStarted() {}
 
-}  // namespace scrim::load
-
 #endif
+
+}  // namespace scrim::load

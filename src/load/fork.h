@@ -12,8 +12,11 @@
 
 namespace scrim::load {
 
-/// Waits until a copy may be made. Without sanitizers it returns at once. With them its first call waits until all
-/// other threads of this process sleep, for about a second at most.
+/// Waits until all other threads of this process sleep, for about a second at most. One that starts or ends may hold a
+/// lock, which a copy made at that moment would find locked for ever; a pool that has nothing to do holds none.
+void waitForThreadsToSleep();
+
+/// Waits until a copy may be made. Without sanitizers it returns at once. With them its first call waits as above.
 void waitForQuietThreads();
 /// Its next call waits again.
 void threadsHaveStarted();

@@ -2,41 +2,21 @@
 #include "read_picture.h"
 
 #include "answered_calls.h"
+#include "fork.h"
 
 #include <scrim/base/error.h>
 #include <scrim/guard/field_transfer.h>
 #include <scrim/guard/picture_transfer.h>
 #include <scrim/volume/read_fields.h>
 
-#include <chrono>
-#include <cstddef>
 #include <cstdio>
-#include <filesystem>
-#include <iterator>
-#include <thread>
 #include <utility>
 
 #include <dlfcn.h>
 
 namespace scrim::load {
-namespace {
-
-std::ptrdiff_t threadCount() {
-    return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
-}
-
-/// A thread that is about to end may hold a lock, which a child forked at that moment would find locked forever.
-void waitForThreadsToEnd(std::ptrdiff_t count) {
-    constexpr std::chrono::seconds kPatience{2};
-    const auto start = std::chrono::steady_clock::now();
-    while (threadCount() > count && std::chrono::steady_clock::now() - start < kPatience)
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-}
-
-}  // namespace
 
 const PictureModule* loadPictureModule(const std::string& path) {
-    const std::ptrdiff_t threads = threadCount();
     void* module = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
     void* function = module == nullptr ? nullptr : ::dlsym(module, SCRIM_PICTURE_MODULE_SYMBOL);
     if (function == nullptr) {
@@ -46,7 +26,8 @@ const PictureModule* loadPictureModule(const std::string& path) {
     }
     const PictureModule* pictures = reinterpret_cast<PictureModuleFunction>(function)();
     pictures->prepare();
-    waitForThreadsToEnd(threads);  // OpenImageIO's threads
+    // OpenImageIO's threads end. Those of log4cplus, which it may bring along with OpenVDB, stay asleep.
+    waitForThreadsToSleep();
     return pictures;
 }
 

@@ -30,6 +30,14 @@ inline std::vector<LoaderProcess> loaderProcesses() {
     return found;
 }
 
+/// True if a process has mapped a file whose name contains `library`.
+inline bool hasMapped(int process, const std::string& library) {
+    std::ifstream maps("/proc/" + std::to_string(process) + "/maps");
+    for (std::string line; std::getline(maps, line);)
+        if (line.find(library) != std::string::npos) return true;
+    return false;
+}
+
 /// Waits half a minute at most until `condition` holds; false where it did not.
 template <typename Condition>
 bool comesTrue(const Condition& condition) {

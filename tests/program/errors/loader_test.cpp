@@ -3,6 +3,7 @@
 // that reading ahead changes nothing but the time.
 #include "support/program_test.h"
 
+#include <load/fork.h>
 #include <scrim/scrim.h>
 #include <scrim/guard/field_transfer.h>
 #include <scrim/guard/load_fields.h>
@@ -13,10 +14,12 @@
 #include "support/loader_processes.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
+#include <future>
 #include <memory>
 #include <string>
 #include <thread>
@@ -112,14 +115,6 @@ TEST_F(Loader, ReadsEveryKindOfFileAsThisProcessDoes) {
 }
 
 #ifndef SCRIM_SANITIZED
-/// True if a process has mapped OpenVDB's library.
-bool hasOpenVdb(int process) {
-    std::ifstream maps("/proc/" + std::to_string(process) + "/maps");
-    for (std::string line; std::getline(maps, line);)
-        if (line.find("libopenvdb.so") != std::string::npos) return true;
-    return false;
-}
-
 // Binding OpenVDB's names takes longer than reading a small file.
 TEST_F(Loader, LoadsOpenVdbWithTheFirstFileThatNeedsIt) {
     for (const int old : loaders()) ::kill(old, SIGKILL);
@@ -127,10 +122,10 @@ TEST_F(Loader, LoadsOpenVdbWithTheFirstFileThatNeedsIt) {
     const std::size_t voxels = activeVoxels();
     ASSERT_EQ(loaders().size(), 1u);
     const int loader = loaders().front();
-    EXPECT_FALSE(hasOpenVdb(loader));
+    EXPECT_FALSE(hasMapped(loader, "libopenvdb.so"));
     makeVdb(file("sphere.vdb"), {{.type = "sphere", .gridClass = "level set"}});
     EXPECT_GT(loadFields(file("sphere.vdb"), {{}}, kGuarded, {}).at(0).activeVoxels, 0u);
-    EXPECT_TRUE(hasOpenVdb(loader));
+    EXPECT_TRUE(hasMapped(loader, "libopenvdb.so"));
     EXPECT_EQ(activeVoxels(), voxels);
     EXPECT_EQ(loaders(), std::vector<int>{loader});
 }
@@ -149,6 +144,23 @@ TEST_F(Loader, StartsOnceAndServesAll) {
         });
     for (std::thread& thread : threads) thread.join();
     EXPECT_EQ(loaders(), running);
+}
+
+// It forks while libraries have threads. One that runs may hold a lock.
+TEST(ThreadsOfLoader, AreWaitedForUntilTheySleep) {
+    std::atomic<bool> slept = false;
+    std::promise<void> end;
+    std::thread thread([&, ended = end.get_future()] {
+        const auto ready = std::chrono::steady_clock::now() + std::chrono::milliseconds(50);
+        while (std::chrono::steady_clock::now() < ready) {
+        }
+        slept = true;
+        ended.wait();
+    });
+    load::waitForThreadsToSleep();
+    EXPECT_TRUE(slept);
+    end.set_value();
+    thread.join();
 }
 
 TEST_F(Loader, OutlivesChildrenThatCrash) {

@@ -5,11 +5,17 @@
 #include <scrim/image/picture_module.h>
 #include <scrim/guard/guarded_load.h>
 
+#include "support/loader_processes.h"
+
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/strutil.h>
 
 #include <iostream>
 #include <set>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
 
 namespace scrim::test {
 namespace {
@@ -67,6 +73,25 @@ TEST_F(PictureLoader, SaysWhatThisProcessSaysOfFilesThatAreNoPictures) {
     write("empty.exr", "");
     write("text", "This is not a picture.");
     for (const char* name : {"text.png", "empty.exr", "text"}) expectSame(file(name));
+}
+
+// Running programs that this process started and that have OpenImageIO, which those for volumes do not.
+std::vector<int> pictureLoaders() {
+    std::vector<int> found;
+    for (const LoaderProcess& process : loaderProcesses())
+        if (process.parent == ::getpid() && hasMapped(process.id, "libOpenImageIO.so")) found.push_back(process.id);
+    return found;
+}
+
+TEST_F(PictureLoader, StartsOnceAndServesAll) {
+    for (const char* name : {"a.png", "b.png"}) ASSERT_TRUE(writePicture(file(name), "png"));
+    expectSame(file("a.png"));
+    const std::vector<int> running = pictureLoaders();
+    ASSERT_EQ(running.size(), 1u);
+    write("damaged.png", "This is not a picture.");
+    for (int i = 0; i < 50; ++i)
+        for (const char* name : {"a.png", "damaged.png", "b.png"}) expectSame(file(name));
+    EXPECT_EQ(pictureLoaders(), running);
 }
 
 }  // namespace
