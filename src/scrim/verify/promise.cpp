@@ -14,6 +14,7 @@
 #include <scrim/verify/light_cell_pilot.h>
 #include <scrim/verify/pilot_picture.h>
 #include <scrim/verify/pilot_rays.h>
+#include <scrim/verify/wide_lights.h>
 
 #include <algorithm>
 #include <cmath>
@@ -143,83 +144,6 @@ void addLargeCells(const ViewScene& scene, PromisedDials& promised) {
         {expected, fmt::format("the light on surfaces is kept on cells {:.2g} times as large as it needs, which would "
                                "take too much memory; a larger --memory allows smaller ones",
                                cells.coarser())});
-}
-
-// True if opaque voxels of surfaces touch the sphere of a lamp.
-bool touchesSurfaces(const ViewScene& scene, const Light& light) {
-    constexpr double kOpaque = 0.1;  // optical depth of a voxel
-    constexpr int kPoints = 64;
-    FieldSamplers samplers;
-    for (const ViewVolume& volume : scene.volumes) {
-        if (!volume.classified || volume.field->empty()) continue;
-        const VolumeOptics optics(volume, Kernel::linear, samplers);
-        for (int i = 0; i < kPoints; ++i) {
-            const Vec3 at = light.wsPosition + light.area()->radius * evenDirection(i, kPoints);
-            if (optics.mostExtinction(at) * voxelUnit(volume) > kOpaque) return true;
-        }
-    }
-    return false;
-}
-
-// Lamps that opaque voxels touch: nearly all that is seen of their light is within a cell of them. A sphere of three
-// voxels across in a cavity of a scan leaves 3 to 6 %; where voxels touch it, one of two and one of six left 49 and
-// 220 %.
-void addTouchingLamps(const ViewScene& scene, PromisedDials& promised) {
-    constexpr double kLeft = 0.9;
-    for (const Light& light : scene.lights)
-        if (light.area() && light.area()->shape == AreaShape::sphere && light.intensity != Rgb(0) &&
-            touchesSurfaces(scene, light))
-            promised.beyond.push_back(
-                {kLeft, fmt::format("surfaces touch the sphere of light '{}', whose light there changes within a cell; "
-                                    "a smaller radius, or a place with no voxels around it, avoids that",
-                                    light.name)});
-}
-
-// What the lobes of phase functions and the spreads of surfaces leave, where they are narrow beside the lights.
-struct Narrow {
-    double expected = 0;
-    std::string why;
-    void take(double error, const std::string& reason) {
-        if (error > expected) expected = error, why = reason;
-    }
-};
-
-// The narrowest lobe that shows a light; pi if none is narrow. Surfaces of scans have none.
-double narrowestLobe(const ViewScene& scene, std::size_t light) {
-    double narrowest = std::numbers::pi;
-    for (const ViewVolume& volume : scene.volumes)
-        if (!volume.classified && !volume.field->empty() && litBy(volume.lights, light))
-            narrowest = std::min(narrowest, lobeWidth(volume.medium.phase));
-    return narrowest;
-}
-
-// Narrow lobes show surfaces with their edges, which means over sub-lights blur. Smoke of 24^3 voxels before a square,
-// a disk and a cylinder, and beside a sphere, with g = 0.6, 0.8, 0.9 and 0.98 (lobes of 0.4 to 0.02 radians): 1.1
-// to 2.0, 2.1 to 3.1, 5.0 to 7.7 and 18 to 125 %; the same with droplets of 1 and 10 micrometres (g of 0.85 and 0.98).
-// A dome leaves 0.9 and 2.3 % with g of 0 and 0.9. Points with spreads of 45, 20, 10, 3 and 1 degrees, of surfaces that
-// are not beams, leave 1.4 to 2.6, 4.4 to 7.1, 13 to 21, 110 to 180 and 210 to 550 %.
-void addNarrow(const ViewScene& scene, PromisedDials& promised) {
-    constexpr double kOfSurface = 0.006, kOfSky = 0.02, kNarrow = 0.25, kNarrowToSkies = 0.15;
-    constexpr double kSpread = 45, kOfSpread = 0.018, kGrowth = 1.4, kClearly = 1.05;
-    Narrow narrow;
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-        const Light& light = scene.lights[i];
-        if (light.intensity == Rgb(0) || (!light.area() && !light.dome())) continue;
-        const double lobe = narrowestLobe(scene, i);
-        if (lobe < (light.dome() ? kNarrowToSkies : kNarrow))
-            narrow.take(light.dome() ? kOfSky : kOfSurface / lobe,
-                        fmt::format("phase functions as narrow as {:.2g} degrees show the extended light '{}' with its "
-                                    "edges, which its sub-lights blur",
-                                    glm::degrees(lobe), light.name));
-        if (light.area() && light.area()->spread < kSpread && !shinesInBeams(scene, light))
-            narrow.take(
-                kOfSpread * std::pow(kSpread / light.area()->spread, kGrowth),
-                fmt::format("points of light '{}' with a spread of {:.2g} degrees show one by one; a projector, "
-                            "or a surface with all volumes before it, does not have this error",
-                            light.name, light.area()->spread));
-    }
-    if (narrow.expected > kClearly * promised.promised && narrow.expected > promised.expected)
-        promised.beyond.push_back({narrow.expected, narrow.why});
 }
 
 // The error that multiply scattered light may have. Of what texels and sheets leave, about half remains in the means
@@ -515,6 +439,7 @@ PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
         addTouchingLamps(scene, out);
     }
     addNarrow(scene, out);
+    addSurfacesAmong(scene, out);
     if (solidsBlock(scene)) resolveEdges(scene, out, finest);
     resolveNearLamps(scene, out, finest);
     if (const auto scattered = scatterPilot(scene)) {

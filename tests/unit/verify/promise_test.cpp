@@ -142,6 +142,8 @@ TEST(PromisedDials, SayWhatNarrowLobesAndSpreadsLeave) {
     EXPECT_EQ(lobe.why,
               "phase functions as narrow as 2.9 degrees show the extended light 'box' with its edges, which its "
               "sub-lights blur");
+    // From before the smoke, light that is turned by a right angle or more is seen, which is smooth.
+    EXPECT_LT(beyond(0.95, 180, {2, 3, 60}).expected, 0.03);
     EXPECT_EQ(beyond(0, 10, behind).expected, 0);  // beams
     const PromisedDials::Beyond cone = beyond(0, 10, among);
     EXPECT_NEAR(cone.expected, 0.018 * std::pow(4.5, 1.4), 1e-6);
@@ -409,6 +411,31 @@ TEST(PromisedDials, SayThatALampInOpaqueVoxelsIsNotExact) {
     };
     EXPECT_TRUE(said({0, 0, 10}));   // half of it
     EXPECT_FALSE(said({0, 0, 16}));  // beside the ball
+}
+
+TEST(PromisedDials, SayThatASurfaceInHazeInThePictureIsNotExact) {
+    const auto expected = [](AreaShape shape, double size, const Vec3& place) {
+        ViewScene scene = smoke(12, 0.02, 24);
+        scene.dials = *presetDials("standard");
+        Light light;
+        Light::Area area;
+        area.shape = shape;
+        area.width = area.height = size;
+        area.radius = 0.5 * size;
+        light.kind = area;
+        light.wsPosition = place;
+        scene.lights = {light};
+        double most = 0;
+        for (const auto& [error, why] : promisedDials(scene, "standard").beyond)
+            if (why.starts_with("the surface of light")) most = std::max(most, error);
+        return most;
+    };
+    const Vec3 within(1, 2, 0);
+    EXPECT_NEAR(expected(AreaShape::rectangle, 4, within), 0.3, 1e-9);
+    EXPECT_NEAR(expected(AreaShape::rectangle, 8, within), 0.15, 1e-9);
+    EXPECT_EQ(expected(AreaShape::sphere, 4, within), 0);            // it has a closed form
+    EXPECT_EQ(expected(AreaShape::rectangle, 4, {1, 200, 0}), 0);    // outside of the picture
+    EXPECT_EQ(expected(AreaShape::rectangle, 4, {0, 0, -2000}), 0);  // nothing around it shows its light
 }
 
 // No other tells of grooves that throw shadows into each other.
