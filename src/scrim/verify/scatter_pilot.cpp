@@ -149,7 +149,12 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
         seen = seenCells(seenBeside, fine, coarse);
     } while ((seen.difference > kFalls * before || pilot.ofSkies > kMostlySkies) && pilot.edge >= 2 &&
              longest / pilot.edge < kMostAlong / 2 && isSmall(scene, pilot.edge / 2, pilot.limited));
-    pilot.difference = seen.difference;
+    // Walls are as coarse as cells, and lie anywhere in them: of two pairs of solves one may agree by chance. A room of
+    // 20 voxels with a window: 10 % too dark with cells of 2.4 voxels, 11 % too bright with 1.7, and 1 % with 4.
+    constexpr double kOfWalls = 0.33;
+    const double least = solidsBlock(scene) ? kOfWalls * before : 0;
+    if (least > seen.difference) seen.ofEach *= least / seen.difference;
+    pilot.difference = std::max(seen.difference, least);
     pilot.ofEach = seen.ofEach;
     pilot.share = seen.share;
     pilot.rayEffects = seenCells(seenBeside, fine, solved(withCells(scene, pilot.edge, kOrdinateCounts[1]))).difference;

@@ -2,6 +2,7 @@
 // Solids as walls for light that has scattered: closed forms, and the path tracer, which knows no cells.
 #include "scenes.h"
 #include "support/meshes.h"
+#include "support/slides.h"
 
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/solve/scattered_light.h>
@@ -230,6 +231,40 @@ TEST(Walls, SendBackTheirOwnColour) {
     lights.at(0).ofVolume.at(0)->sample({0, -10, 0}, rgb);
     EXPECT_NEAR(double(rgb[1] / rgb[0]), 0.5, 1e-3);
     EXPECT_NEAR(double(rgb[2]), 0, 3e-3 * double(rgb[0]));
+}
+
+// The sum of all light of the picture's rows with these cells, relative to that with cells of half a voxel.
+double sumWithCells(ViewScene scene, double cell) {
+    const auto sum = [&](double edge) {
+        scene.dials.scatterCell = edge;
+        scene.dials.scatterDirections = 64;
+        const Image image = renderScene(scene).image;
+        double all = 0;
+        for (std::size_t i = 1; i < image.rgba.size(); i += 4) all += double(image.rgba[i]);
+        return all;
+    };
+    return sum(cell) / sum(0.5);
+}
+
+// A picture of squares of two voxels: at the centres of cells of four voxels it is white or black by chance, and the
+// light that scatters was up to 47 % off.
+TEST(FirstLight, OfASlideIsTheMeanOverEachCell) {
+    ViewScene scene = fullHaze(0.03, 0.9);
+    scene.lights = {
+        distantSlide({-1, -0.15, -0.1}, 16, makeTexture(8, 8, [](int x, int y) { return Rgb((x + y) % 2); }))};
+    for (const double cell : {2.4, 4.0}) EXPECT_NEAR(sumWithCells(scene, cell), 1, 0.03) << cell;
+}
+
+// A lamp's cone of a voxel or two.
+TEST(FirstLight, OfANarrowConeIsTheMeanOverEachCell) {
+    ViewScene scene = fullHaze(0.03, 0.9);
+    Light light = lamp({30, 0.7, 0.4}, 1000);
+    Light::Spot spot;
+    spot.coneAngle = 4;
+    light.kind = spot;
+    light.wsDirection = {-1, 0, 0};
+    scene.lights = {light};
+    for (const double cell : {2.4, 4.0}) EXPECT_NEAR(sumWithCells(scene, cell), 1, 0.06) << cell;
 }
 
 }  // namespace

@@ -70,6 +70,7 @@ class FirstCollisions {
 
   private:
     bool reaches(const Vec3& ws) const;
+    Rgb meanIn(std::size_t cell) const;
     void findShadows();
     void follow(const Vec3& direction, double solidAngle, std::size_t colour, std::vector<NearLamp>& bundle) const;
 
@@ -105,10 +106,25 @@ bool FirstCollisions::reaches(const Vec3& ws) const {
     return m_scene.solids->firstHit(SolidRole::shadow, ws, -light.travel, 0, light.distance) == kInfinity;
 }
 
-// Where the edge of a shadow passes between the centres of neighbours, a cell counts by its part that is lit, on its
-// own side of walls.
+// Without attenuation, the mean over a cell, in which beams and pictures may be smaller.
+Rgb FirstCollisions::meanIn(std::size_t cell) const {
+    constexpr int kParts = 4;
+    const CellGrid& grid = m_media.grid;
+    const Vec3 corner(grid.place(cell));
+    Rgb sum(0);
+    for (int i = 0; i < kParts * kParts * kParts; ++i) {
+        const Vec3 part = (Vec3(i % kParts, i / kParts % kParts, i / (kParts * kParts)) + 0.5) / double(kParts);
+        sum += m_unattenuated.at(grid.wsFromCs(corner + part)).irradiance;
+    }
+    return sum / double(kParts * kParts * kParts);
+}
+
+// Where the edge of a shadow passes a cell, or between the centres of neighbours, a cell counts by its part that is
+// lit, on its own side of walls. Beams may be narrower than cells: a few places in each are looked at.
 void FirstCollisions::findShadows() {
     const CellGrid& grid = m_media.grid;
+    constexpr int kLooks = 8;
+    std::vector<Real> parts(grid.cells(), Real(0));  // of the looks, that are lit
     m_lit.assign(grid.cells(), Real(0));
     const auto forCells = [&](const auto& visit) {
         parallelFor(grid.storedBlocks().size(), [&](std::size_t block) {
@@ -116,12 +132,17 @@ void FirstCollisions::findShadows() {
         });
     };
     forCells([&](std::size_t, std::size_t cell) {
-        if (reaches(grid.wsInside(grid.place(cell)))) m_lit[cell] = 1;
+        const Int3 place = grid.place(cell);
+        if (reaches(grid.wsInside(place))) m_lit[cell] = 1;
+        for (int i = 0; i < kLooks; ++i) {
+            const Vec3 ws = grid.wsFromCs(Vec3(place) + 0.25 + 0.5 * Vec3(i & 1, i >> 1 & 1, i >> 2));
+            parts[cell] += reaches(ws) ? Real(1) / kLooks : Real(0);
+        }
     });
     const std::vector<Real> centres = m_lit;
     forCells([&](std::size_t block, std::size_t cell) {
         const Int3 place = grid.place(cell);
-        bool edge = false;
+        bool edge = parts[cell] != centres[cell];
         for (int i = 0; i < 27 && !edge; ++i) {
             const std::ptrdiff_t beside = grid.index(place + Int3(i % 3, i / 3 % 3, i / 9) - 1);
             edge = beside >= 0 && centres[std::size_t(beside)] != centres[cell];
@@ -143,6 +164,7 @@ void FirstCollisions::findShadows() {
 ArrivingInCell FirstCollisions::at(std::size_t cell) const {
     const Vec3 ws = m_media.grid.wsCenter(cell);
     ArrivingInCell out{m_unattenuated.at(ws)};
+    if (m_light.slide || m_light.spot() || m_light.luminaire) out.irradiance = meanIn(cell);
     if (!m_lit.empty()) out.irradiance *= double(m_lit[cell]);
     out.last = out.irradiance;
     if (out.irradiance == Rgb(0) || !m_light.shadows) return out;
