@@ -72,6 +72,8 @@ class Shot:
             return self.scrim(self.best)[0], ""
         image, _ = self.scrim(self.best, "--verify", self.options.verify, "--verify-limit", self.options.limit)
         found = json.loads((self.work / "stats.json").read_text())[0]["verification"]
+        if not found["pixels"]:
+            return image, f", not checked: brute force was done with no pixel in {self.options.limit:g} s"
         return image, f", {100 * found['error']:.2g} % off brute force at {found['pixels']} pixels"
 
     def in_numbers(self, scene):
