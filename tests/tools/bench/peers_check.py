@@ -41,8 +41,8 @@ def blocks(image, edge=BLOCK):
     return image[:height * edge, :width * edge].reshape(height, edge, width, edge, 3).mean((1, 3, 4)).astype(float)
 
 
-def compare(pictures, truth):
-    a, b = (blocks(p) - truth for p in pictures)
+def compare(pictures, truth, edge=BLOCK):
+    a, b = (blocks(p, edge) - truth for p in pictures)
     product, level = a * b, truth.mean()
     noise = math.sqrt(2 * (a - b).var() / 2 / math.sqrt(a.size)) / level
     return (a + b).mean() / 2 / level, math.sqrt(max(0.0, product.mean())) / level, noise

@@ -9,7 +9,9 @@
 # peers.py: "g" of the phase function (0), "bounces" after the first scattering (0: single scattering), "sky" (the
 # radiance of an even one, 0), "denoise" (by OpenImageDenoise, False), "seed" (0),
 # "threads" (0: as Blender was told), and "twice": a picture of one sample is rendered before, and what Cycles made of
-# the scene is kept for the second, whose seconds are then printed: they are those of rendering alone.
+# the scene is kept for the second, whose seconds are then printed: they are those of rendering alone. Where "volumes"
+# is a list, each of its entries has a volume's own numbers ("asset", "grid", "voxel", "scale"), is enlarged by "size"
+# (1), and then moved by "translate".
 import json
 import math
 import os
@@ -28,6 +30,11 @@ for thing in list(bpy.data.objects):
     bpy.data.objects.remove(thing)
 
 
+def clocks():
+    """By the clock, and of all processors."""
+    return time.monotonic(), time.process_time()
+
+
 def place(name, data, matrix=Matrix()):
     thing = bpy.data.objects.new(name, data)
     scene.collection.objects.link(thing)
@@ -42,38 +49,53 @@ def looking(direction):
     return Matrix((right, back.cross(right), back)).transposed().to_4x4()
 
 
-# Before 5.0, Cycles takes a voxel's index for a corner of it, and draws grids half a voxel too high on each axis.
-volume = bpy.data.volumes.new("volume")
-volume.filepath = numbers["asset"]
-volume.render.precision = "FULL"
-volume.render.clipping = 0
-half_voxel = 0.5 * numbers["voxel"] if bpy.app.version < (5, 0) else 0
-place("volume", volume, Matrix.Translation((-half_voxel,) * 3))
+def medium(volume):
+    """A material that scatters and absorbs what the grid holds, times a scale."""
+    material = bpy.data.materials.new("medium")
+    material.use_nodes = True
+    material.cycles.volume_sampling = "DISTANCE"
+    tree = material.node_tree
+    tree.nodes.clear()
+    grid = tree.nodes.new("ShaderNodeAttribute")
+    grid.attribute_name = volume["grid"]
+    both = tree.nodes.new("ShaderNodeAddShader")
+    parts = (("ShaderNodeVolumeScatter", (1, 1, 1, 1), numbers["albedo"]),
+             ("ShaderNodeVolumeAbsorption", (0, 0, 0, 1), 1 - numbers["albedo"]))
+    for i, (kind, colour, part) in enumerate(parts):
+        node = tree.nodes.new(kind)
+        node.inputs["Color"].default_value = colour
+        scale = tree.nodes.new("ShaderNodeMath")
+        scale.operation = "MULTIPLY"
+        scale.inputs[1].default_value = part * volume["scale"]
+        tree.links.new(grid.outputs["Fac"], scale.inputs[0])
+        tree.links.new(scale.outputs[0], node.inputs["Density"])
+        tree.links.new(node.outputs[0], both.inputs[i])
+        if "Anisotropy" in node.inputs:
+            node.inputs["Anisotropy"].default_value = numbers.get("g", 0)
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(both.outputs[0], output.inputs["Volume"])
+    return material
 
-material = bpy.data.materials.new("medium")
-material.use_nodes = True
-material.cycles.volume_sampling = "DISTANCE"
-tree = material.node_tree
-tree.nodes.clear()
-grid = tree.nodes.new("ShaderNodeAttribute")
-grid.attribute_name = numbers["grid"]
-both = tree.nodes.new("ShaderNodeAddShader")
-parts = (("ShaderNodeVolumeScatter", (1, 1, 1, 1), numbers["albedo"]),
-         ("ShaderNodeVolumeAbsorption", (0, 0, 0, 1), 1 - numbers["albedo"]))
-for i, (kind, colour, part) in enumerate(parts):
-    node = tree.nodes.new(kind)
-    node.inputs["Color"].default_value = colour
-    scale = tree.nodes.new("ShaderNodeMath")
-    scale.operation = "MULTIPLY"
-    scale.inputs[1].default_value = part * numbers["scale"]
-    tree.links.new(grid.outputs["Fac"], scale.inputs[0])
-    tree.links.new(scale.outputs[0], node.inputs["Density"])
-    tree.links.new(node.outputs[0], both.inputs[i])
-    if "Anisotropy" in node.inputs:
-        node.inputs["Anisotropy"].default_value = numbers.get("g", 0)
-output = tree.nodes.new("ShaderNodeOutputMaterial")
-tree.links.new(both.outputs[0], output.inputs["Volume"])
-volume.materials.append(material)
+
+def read_volume(volume):
+    data = bpy.data.volumes.new("volume")
+    data.filepath = volume["asset"]
+    data.render.precision = "FULL"
+    data.render.clipping = 0
+    data.render.space = "WORLD"  # extinction stays what it is where a volume is scaled
+    data.materials.append(medium(volume))
+    return data
+
+
+read = {}
+for volume in numbers.get("volumes", [numbers]):
+    key = volume["asset"], volume["scale"]
+    if key not in read:
+        read[key] = read_volume(volume)
+    # Before 5.0, Cycles takes a voxel's index for a corner of it, and draws grids half a voxel too high on each axis.
+    half_voxel = 0.5 * volume["voxel"] if bpy.app.version < (5, 0) else 0
+    place("volume", read[key], Matrix.Translation(volume.get("translate", (0, 0, 0)))
+          @ Matrix.Scale(volume.get("size", 1), 4) @ Matrix.Translation((-half_voxel,) * 3))
 
 sun = bpy.data.lights.new("key", "SUN")
 sun.energy = numbers["irradiance"]
@@ -134,11 +156,12 @@ if numbers.get("twice"):
 # tells. Before 5.0 the status says so to nobody but the terminal.
 status = {}
 if bpy.app.version >= (5, 0):
-    bpy.app.handlers.render_stats.append(lambda text, _: status.setdefault("Sample 0/" in text, time.monotonic()))
-begin = time.monotonic()
+    bpy.app.handlers.render_stats.append(lambda text, _: status.setdefault("Sample 0/" in text, clocks()))
+begin = clocks()
 bpy.ops.render.render()
-end = time.monotonic()
-print("render", end - status.get(True, begin))
+end, begin = clocks(), status.get(True, begin)
+print("render", end[0] - begin[0])
+print("processor", end[1] - begin[1])
 bpy.data.images["Render Result"].save_render(picture)
 sys.stdout.flush()
 if not bpy.app.binary_path:

@@ -6,9 +6,10 @@
 Prints the seconds that rendering took. If NUMBERS say "twice", a picture of one sample is rendered before, for the
 compiler of variants that compile (llvm_ad_rgb, the default), and not counted: its code serves any number of samples.
 Depth 2 is single scattering; NUMBERS may have "bounces" after it, "g" of the phase function, and the radiance of an even
-"sky". A pixel is the mean of its own samples (a box filter), and in variants that compile they all go through its
-middle, as everybody else's do. Where DrJit finds no LLVM that it can use, DRJIT_LIBLLVM_PATH names one: 15 is too old
-for Mitsuba 3.9, that of Debian's libllvm19 serves.
+"sky". Where "volumes" is a list, peers_media.py makes media of it, in variants that compile. A pixel is the mean of its
+own samples (a box filter), and in variants that compile they all go through its middle, as everybody else's do. Where
+DrJit finds no LLVM that it can use, DRJIT_LIBLLVM_PATH names one: 15 is too old for Mitsuba 3.9, that of Debian's
+libllvm19 serves.
 """
 import json
 import sys
@@ -82,25 +83,30 @@ def scene_of(numbers, integrator):
             "rfilter": {"type": "box"}}
     # A camera in Python works on whole arrays of rays, which the scalar variants do not have.
     sensor = (perspective if "scalar" in mi.variant() else through_middles)(numbers, film)
+    if "volumes" in numbers:
+        import peers_media  # its class of media needs a variant
+        shapes, around_eye = peers_media.media(numbers)
+    else:
+        shapes, around_eye = {"volume": medium(numbers)}, None
     return mi.load_dict({
-        "type": "scene", "volume": medium(numbers),
+        "type": "scene", **shapes,
         "integrator": {"type": integrator, "max_depth": 2 + numbers.get("bounces", 0), "rr_depth": 1000,
                        "hide_emitters": True},
         "sun": {"type": "directional", "direction": numbers["light"],
                 "irradiance": {"type": "rgb", "value": [numbers["irradiance"]] * 3}},
         **({"sky": {"type": "constant", "radiance": {"type": "rgb", "value": [numbers["sky"]] * 3}}}
            if numbers.get("sky") else {}),
-        "sensor": sensor | {"sampler": {"type": "independent"}}})
+        "sensor": sensor | {"sampler": {"type": "independent"}} | ({"medium": around_eye} if around_eye else {})})
 
 
 def render(scene, samples, seed):
-    """The mean of as many passes as it takes, and the seconds."""
-    begin, total = time.monotonic(), None
+    """The mean of as many passes as it takes, and the seconds by the clock and of all processors."""
+    begin, begin_processor, total = time.monotonic(), time.process_time(), None
     for i in range(max(1, samples // PASS)):
         image = mi.render(scene, spp=min(samples, PASS), seed=seed + i)
         part = np.array(image)
         total = part if total is None else total + part
-    return total / max(1, samples // PASS), time.monotonic() - begin
+    return total / max(1, samples // PASS), time.monotonic() - begin, time.process_time() - begin_processor
 
 
 def main():
@@ -113,11 +119,11 @@ def main():
     scene = scene_of(numbers, integrator)
     samples, seed = int(samples), 100000 * numbers["seed"]
     if numbers["twice"] and "scalar" not in variant:
-        _, seconds = render(scene, 1, seed)
+        _, seconds, _ = render(scene, 1, seed)
         print(f"compile and first sample {seconds}")
-    image, seconds = render(scene, samples, seed)
+    image, seconds, processor = render(scene, samples, seed)
     peers_exr.write(picture, image)
-    print(f"render {seconds}")
+    print(f"render {seconds}\nprocessor {processor}")
 
 
 main()

@@ -36,20 +36,23 @@ def found():
     return tools
 
 
-def say_missing(tools):
+def say_missing(tools, wanted=tuple(PACKAGES)):
     for tool, package in PACKAGES.items():
-        if not any(t.split()[0] == tool for t in tools):
+        if tool in wanted and not any(t.split()[0] == tool for t in tools):
             print(f"{tool}: skipped, since no Python of SCRIM_PEERS_PYTHON has '{package}' (from PyPI)"
                   + (", and there is no program 'blender'" if tool == "cycles" else ""))
 
 
 def add_array(numbers, work):
-    """The grid as a file of NumPy's, with a border of zeros, and where the centre of its first voxel is. Gives whether
-    there is one. A process of its own makes it: peers.py would hand its memory on to all that it measures."""
-    made = subprocess.run(["/usr/bin/python3", HERE / "peers_tools.py", numbers["asset"], numbers["grid"],
-                           work / "grid.npy"], stdout=subprocess.PIPE, text=True)
+    """The grid as a file of NumPy's, with a border of zeros, where the centre of its first voxel is, and the voxels'
+    edge. Gives whether there is one. A process of its own makes it: peers.py would hand its memory on to all that it
+    measures."""
+    file = work / f"{Path(numbers['asset']).stem}.npy"
+    made = subprocess.run(["/usr/bin/python3", HERE / "peers_tools.py", numbers["asset"], numbers["grid"], file],
+                          stdout=subprocess.PIPE, text=True)
     if made.returncode == 0:
-        numbers["array"], numbers["origin"] = str(work / "grid.npy"), json.loads(made.stdout)
+        numbers["array"] = str(file)
+        numbers["origin"], numbers["voxel"] = json.loads(made.stdout)
     return made.returncode == 0
 
 
@@ -62,7 +65,7 @@ def write_array(asset, name, file):
     array = numpy.zeros([h - l + 2 for l, h in zip(low, high)], numpy.float32)
     grid.copyToArray(array, ijk=low)
     numpy.save(file, numpy.maximum(array, 0))
-    print(json.dumps(grid.transform.indexToWorld(low)))
+    print(json.dumps((grid.transform.indexToWorld(low), grid.transform.voxelSize()[0])))
 
 
 def write_numbers(numbers, work, name, **more):
@@ -88,8 +91,9 @@ def describe(tool, how):
     return (f"step rate {rate:g}" if rate else "null collisions") + "".join(f" adaptive {a:g}" for a in adaptive)
 
 
-def seconds(log):
-    return float(re.findall(r"^render ([\d.e+-]+)$", log, re.MULTILINE)[-1])
+def seconds(log, what="render"):
+    """Of rendering, by the clock, or of all processors ("processor"; Mitsuba and Cycles say it)."""
+    return float(re.findall(rf"^{what} ([\d.e+-]+)$", log, re.MULTILINE)[-1])
 
 
 if __name__ == "__main__":
