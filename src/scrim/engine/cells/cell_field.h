@@ -38,6 +38,8 @@ class CellField {
     void forCells(const Visit& visit);
     /// Adds light(centre) to every cell: to the first colour, or to all three. `light` is called by many threads.
     void add(const std::function<Rgb(const Vec3& ws)>& light);
+    /// Copies the values of stored cells to where they are around other blocks.
+    void fillAround();
     /// The light at a point, 0 beyond the stored cells.
     void sample(const Vec3& ws, Real (&rgb)[3]) const;
     void sample(const Vec3& ws, LastBlock& last, Real (&rgb)[3]) const;

@@ -365,15 +365,7 @@ void sharpenMeans(CellField& field, const std::function<double(const Int3& cell)
             }
         }
     });
-    // The cells around a block follow those of its neighbours.
-    parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {
-        for (std::size_t i = 0; i < kPaddedCells; ++i) {
-            const std::ptrdiff_t index = grid.index(placeIn(b, static_cast<int>(i)));
-            Real* to = field.block(b) + i * colours;
-            if (const Real* own = index < 0 ? to : field.cell(std::size_t(index)); own != to)
-                std::copy_n(own, colours, to);
-        }
-    });
+    field.fillAround();
 }
 
 }  // namespace scrim

@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <utility>
 
 #include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
 
 namespace scrim {
 namespace {
@@ -73,6 +75,15 @@ class SkyPeaks {
     const MediaTogether& m_media;
 };
 
+// True if so much lies between the eye and a place that what it shows does not count. All of it hides what is behind.
+bool isHidden(const ViewScene& scene, const MediaTogether& media, const Vec3& ws) {
+    constexpr double kHidden = 12;  // optical depth
+    const double distance = scene.camera.type == CameraType::orthographic ? std::numeric_limits<double>::infinity()
+                                                                          : glm::distance(ws, scene.camera.wsPosition);
+    const Rgb depth = opticalDepth(media, ws, travelToEye(scene.camera, ws), distance, kHidden);
+    return std::min({depth.x, depth.y, depth.z}) >= kHidden;
+}
+
 // The largest optical depth of a cell.
 double depthOfCell(const CellMedia& media) {
     double most = 0;
@@ -116,8 +127,12 @@ void addPeaks(const ViewScene& scene, const Sources& sources, const std::vector<
     std::vector<SkyPeaks> peaks;
     for (std::size_t owner = 0; owner < wide.size(); ++owner)
         if (const auto& cut = wide[owner].ofSky) peaks.emplace_back(scene, sources, owner, *cut, octave, all);
+    const bool someHidden = sources.attenuated && std::ranges::none_of(scene.volumes, [](const ViewVolume& volume) {
+                                return volume.holdout;
+                            });
     const auto light = [&](const Vec3& ws) {
         Rgb sum(0);
+        if (someHidden && isHidden(scene, all, ws)) return sum;
         for (const SkyPeaks& sky : peaks) sum += sky.at(ws);
         return sources.colours == 1 ? Rgb(largest(sum) / largest(sources.tint)) : sum;
     };
