@@ -36,7 +36,7 @@ struct LightJob {
     std::shared_ptr<LampField> lamp = nullptr;  ///< of the only light, if it is a lamp
     std::size_t knot = 0;                       ///< of the lamp's knots, the one whose transmittance is kept
     std::shared_ptr<CellField> open = nullptr;  ///< of a lamp: what solids let through; null: there are none
-    std::size_t media = 0;                      ///< index of what holds the light back (addMedia)
+    std::size_t media = 0;                      ///< index of what holds the light back
     std::vector<WidePhase> wide = {};           ///< for each light of `sources`; empty: of a lamp, or of surfaces
     int surface = -1;                           ///< the classified volume that reflects the light; -1: media scatter it
     std::shared_ptr<CellField> mirrored = {};   ///< its highlights, if it has any; `field` has its diffuse part
