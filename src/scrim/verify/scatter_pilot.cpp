@@ -151,7 +151,7 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
              longest / pilot.edge < kMostAlong / 2 && isSmall(scene, pilot.edge / 2, pilot.limited));
     // Walls are as coarse as cells, and lie anywhere in them: of two pairs of solves one may agree by chance. A room of
     // 20 voxels with a window: 10 % too dark with cells of 2.4 voxels, 11 % too bright with 1.7, and 1 % with 4.
-    constexpr double kOfWalls = 0.33;
+    constexpr double kOfWalls = 0.5;
     const double least = solidsBlock(scene) ? kOfWalls * before : 0;
     if (least > seen.difference) seen.ofEach *= least / seen.difference;
     pilot.difference = std::max(seen.difference, least);
