@@ -94,7 +94,7 @@ double angleBetween(const Camera& a, const Camera& b, const Bounds& ws) {
     if (a.type != b.type) return std::numbers::pi;
     if (a.type == CameraType::orthographic)
         return std::acos(std::clamp(glm::dot(viewingAxis(a), viewingAxis(b)), -1.0, 1.0));
-    const double nearest = glm::distance(glm::clamp(a.wsPosition, ws.lower, ws.upper), a.wsPosition);
+    const double nearest = ws.distance(a.wsPosition);
     const double way = glm::distance(a.wsPosition, b.wsPosition);
     return way < nearest ? std::asin(way / nearest) : way > 0 ? std::numbers::pi : 0;
 }

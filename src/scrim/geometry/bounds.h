@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 namespace scrim {
 
@@ -32,6 +33,8 @@ struct Bounds {
     bool contains(const Vec3& p) const {
         return p.x >= lower.x && p.y >= lower.y && p.z >= lower.z && p.x <= upper.x && p.y <= upper.y && p.z <= upper.z;
     }
+    /// Of a point to the nearest one of the box; 0 within it.
+    double distance(const Vec3& p) const { return glm::distance(p, glm::clamp(p, lower, upper)); }
     /// The part of [begin, end] in which origin + t direction is inside of the box; empty where first > second.
     std::pair<double, double> clip(const Vec3& origin, const Vec3& direction, double begin, double end) const {
         for (int axis = 0; axis < 3; ++axis) {

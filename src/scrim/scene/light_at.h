@@ -25,6 +25,7 @@ struct Arriving {
 struct SpotEdges {
     double outer, inner;
     explicit SpotEdges(const Light::Spot& spot);
+    SpotEdges(double outerCosine, double innerCosine) : outer(outerCosine), inner(innerCosine) {}
     /// The fraction of the intensity, in [0, 1], in a direction whose cosine to the axis is `cosine`: a smoothstep.
     double part(double cosine) const;
 };

@@ -24,7 +24,7 @@ namespace {
 double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4& wsFromIs) {
     const double edge = smallest(voxelEdges(wsFromIs));
     const Bounds ws = transformed(wsFromIs, field.isBounds());
-    const double distance = glm::distance(glm::clamp(camera.wsPosition, ws.lower, ws.upper), camera.wsPosition);
+    const double distance = ws.distance(camera.wsPosition);
     return edge / std::max(pixelAt(camera, distance), 1e-300);
 }
 

@@ -362,7 +362,7 @@ double ShotMotion::longestPath() {
         lights += most;
     }
     const Camera& camera = places.front().camera;
-    const double distance = glm::distance(glm::clamp(camera.wsPosition, box.lower, box.upper), camera.wsPosition);
+    const double distance = box.distance(camera.wsPosition);
     const double pixel = pixelAt(camera, std::max(distance, 0.25 * glm::length(box.size())));
     m_voxelPixels = std::max(voxelUnit(m_moments->inPlace(middle())) / pixel, kFinest);
     if (outlier.second > 0)

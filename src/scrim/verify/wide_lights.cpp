@@ -19,25 +19,26 @@
 namespace scrim {
 namespace {
 
-// True if opaque voxels of surfaces touch the sphere of a lamp.
-bool touchesSurfaces(const ViewScene& scene, const Light& light) {
-    constexpr double kOpaque = 0.1;  // optical depth of a voxel
-    constexpr int kPoints = 64;
+// True if some volumes have voxels of more than `least` of optical depth at even places on a sphere.
+bool meets(const ViewScene& scene, bool (*some)(const ViewVolume&), const Vec3& center, double radius, int places,
+           double least) {
     FieldSamplers samplers;
     for (const ViewVolume& volume : scene.volumes) {
-        if (!volume.classified || volume.field->empty()) continue;
+        if (volume.field->empty() || !some(volume)) continue;
         const VolumeOptics optics(volume, Kernel::linear, samplers);
-        for (int i = 0; i < kPoints; ++i) {
-            const Vec3 at = light.wsPosition + light.area()->radius * evenDirection(i, kPoints);
-            if (optics.mostExtinction(at) * voxelUnit(volume) > kOpaque) return true;
-        }
+        for (int i = 0; i < places; ++i)
+            if (optics.mostExtinction(center + radius * evenDirection(i, places)) * voxelUnit(volume) > least)
+                return true;
     }
     return false;
 }
 
-// Lamps that opaque voxels touch: nearly all that is seen of their light is within a cell of them. A sphere of three
-// voxels across in a cavity of a scan leaves 3 to 6 %; where voxels touch it, one of two and one of six left 49 and
-// 220 %.
+// True if opaque voxels of surfaces touch the sphere of a lamp.
+bool touchesSurfaces(const ViewScene& scene, const Light& light) {
+    const auto isSurface = [](const ViewVolume& volume) { return volume.classified != nullptr; };
+    return meets(scene, isSurface, light.wsPosition, light.area()->radius, 64, 0.1);
+}
+
 }  // namespace
 
 void addTouchingLamps(const ViewScene& scene, PromisedDials& promised) {
@@ -149,15 +150,8 @@ bool isInPicture(const Camera& camera, const Vec3& ws) {
 
 // True if a medium is around a place.
 bool isAmongMedia(const ViewScene& scene, const Vec3& ws, double around) {
-    constexpr int kPoints = 16;
-    FieldSamplers samplers;
-    for (const ViewVolume& volume : scene.volumes) {
-        if (volume.classified || volume.holdout || volume.field->empty()) continue;
-        const VolumeOptics optics(volume, Kernel::linear, samplers);
-        for (int i = 0; i < kPoints; ++i)
-            if (optics.mostExtinction(ws + around * evenDirection(i, kPoints)) > 0) return true;
-    }
-    return false;
+    const auto isSeen = [](const ViewVolume& volume) { return !volume.classified && !volume.holdout; };
+    return meets(scene, isSeen, ws, around, 16, 0);
 }
 
 }  // namespace

@@ -11,14 +11,6 @@
 #include <glm/vector_relational.hpp>
 
 namespace scrim {
-namespace {
-
-// The place of padded cell i in its block, with the cells around it.
-Int3 inBlock(int i) {
-    return {i % kPaddedEdge, i / kPaddedEdge % kPaddedEdge, i / (kPaddedEdge * kPaddedEdge)};
-}
-
-}  // namespace
 
 CellField::CellField(std::shared_ptr<const CellGrid> grid, int colours, const Rgb& tint)
     : m_grid(std::move(grid)),
@@ -34,17 +26,10 @@ Real* CellField::cell(std::size_t index) {
 }
 
 void CellField::add(const std::function<Rgb(const Vec3& ws)>& light) {
-    const std::vector<Int3>& places = m_grid->storedBlocks();
-    parallelFor(places.size(), [&](std::size_t b) {
-        Real* values = block(b);
-        for (int i = 0; i < static_cast<int>(kPaddedCells); ++i, values += m_colours) {
-            const Int3 cell = places[b] * kCellEdge - 1 + inBlock(i), beside = cell >> 3;
-            if (beside != places[b] && m_grid->stored(beside) >= 0) continue;
-            const Rgb more = light(m_grid->wsFromCs(Vec3(cell) + 0.5));
-            for (std::size_t c = 0; c < m_colours; ++c) values[c] += static_cast<Real>(more[static_cast<int>(c)]);
-        }
+    forCells([&](const Int3& cell, Real* values) {
+        const Rgb more = light(m_grid->wsFromCs(Vec3(cell) + 0.5));
+        for (std::size_t c = 0; c < m_colours; ++c) values[c] += static_cast<Real>(more[static_cast<int>(c)]);
     });
-    fillAround();
 }
 
 void CellField::fillAround() {
@@ -53,7 +38,7 @@ void CellField::fillAround() {
         CellGrid::LastBlock last;
         Real* to = block(b);
         for (int i = 0; i < static_cast<int>(kPaddedCells); ++i, to += m_colours) {
-            const Int3 cell = places[b] * kCellEdge - 1 + inBlock(i);
+            const Int3 cell = places[b] * kCellEdge - 1 + paddedCell(i);
             const std::ptrdiff_t index = cell >> 3 == places[b] ? -1 : m_grid->index(cell, last);
             if (index >= 0) std::copy_n(this->cell(std::size_t(index)), m_colours, to);
         }

@@ -32,8 +32,9 @@ class CellField {
     Real* block(std::size_t b) { return m_values.data() + b * kPaddedCells * m_colours; }
     /// The values of a stored cell, in its own block.
     Real* cell(std::size_t index);
-    /// Calls visit(place, values) for each cell of each block, and for those around it, in parallel. Places are counted
-    /// along each axis from the corner of the grid's box.
+    /// Calls visit(place, values) once for each cell of all blocks, and for those around a block that no other block
+    /// has, in parallel; then fills what is around blocks. Places are counted along each axis from the corner of the
+    /// grid's box.
     template <class Visit>
     void forCells(const Visit& visit);
     /// Adds light(centre) to every cell: to the first colour, or to all three. `light` is called by many threads.
@@ -60,12 +61,14 @@ class CellField {
 template <class Visit>
 void CellField::forCells(const Visit& visit) {
     parallelFor(m_grid->storedBlocks().size(), [&](std::size_t b) {
-        const Int3 first = m_grid->storedBlocks()[b] * kCellEdge - 1;
+        const Int3& own = m_grid->storedBlocks()[b];
         Real* values = block(b);
-        for (int i = 0; i < static_cast<int>(kPaddedCells); ++i, values += m_colours)
-            visit(first + Int3(i % kPaddedEdge, i / kPaddedEdge % kPaddedEdge, i / (kPaddedEdge * kPaddedEdge)),
-                  values);
+        for (int i = 0; i < static_cast<int>(kPaddedCells); ++i, values += m_colours) {
+            const Int3 cell = own * kCellEdge - 1 + paddedCell(i);
+            if (cell >> 3 == own || m_grid->stored(cell >> 3) < 0) visit(cell, values);
+        }
     });
+    fillAround();
 }
 
 }  // namespace scrim

@@ -188,7 +188,7 @@ void CellGrid::raiseWalls(std::shared_ptr<const Solids> solids) {
         bool walled = false;
         for (std::size_t i = 0; i < ofBlock.size(); ++i) {
             const int axis = static_cast<int>(i / kPaddedCells), n = static_cast<int>(i % kPaddedCells);
-            const Int3 padded(n % kPaddedEdge, n / kPaddedEdge % kPaddedEdge, n / (kPaddedEdge * kPaddedEdge));
+            const Int3 padded = paddedCell(n);
             const Int3 place = m_places[b] * kCellEdge - 1 + padded;
             if (padded[axis] == 0 || (!isNear(place) && !isNear(place - along(axis)))) continue;
             ofBlock[i] = openFace(place, axis);

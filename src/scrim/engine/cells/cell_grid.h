@@ -38,6 +38,10 @@ constexpr int cellOffset(int x, int y, int z) {
 constexpr int paddedOffset(int x, int y, int z) {
     return (z * kPaddedEdge + y) * kPaddedEdge + x;
 }
+/// The cell at such an offset.
+inline Int3 paddedCell(int offset) {
+    return {offset % kPaddedEdge, offset / kPaddedEdge % kPaddedEdge, offset / (kPaddedEdge * kPaddedEdge)};
+}
 
 class CellGrid {
   public:

@@ -279,8 +279,7 @@ void LampField::addTo(const Vec3& ws, Real (&rgb)[3]) const {
 }
 
 bool LampField::reaches(const Bounds& ws) const {
-    const Vec3& at = lamp().wsPosition;
-    return m_near == 0 || glm::distance(at, glm::clamp(at, ws.lower, ws.upper)) < m_near;
+    return m_near == 0 || ws.distance(lamp().wsPosition) < m_near;
 }
 
 bool LampField::isNearSphere(const Vec3& way, const Vec3& path) const {
@@ -339,8 +338,7 @@ void sharpenMeans(CellField& field, const std::function<double(const Int3& cell)
     const std::size_t colours = field.colours();
     const double least = kLeastWay * grid.edge();
     const auto placeIn = [&](std::size_t block, int i) {
-        return grid.storedBlocks()[block] * kCellEdge - 1 +
-               Int3(i % kPaddedEdge, i / kPaddedEdge % kPaddedEdge, i / (kPaddedEdge * kPaddedEdge));
+        return grid.storedBlocks()[block] * kCellEdge - 1 + paddedCell(i);
     };
     parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {
         std::array<double, kPaddedCells> way, mean;

@@ -91,7 +91,7 @@ double solidAngle(const Light& light, const Bounds& ws) {
     if (light.dome()) return 4 * kPi;
     if (!light.area()) return coneOf(std::get<Light::Distant>(light.kind).angle);
     if (ws.empty()) return 0;
-    const double distance = glm::distance(light.wsPosition, glm::clamp(light.wsPosition, ws.lower, ws.upper));
+    const double distance = ws.distance(light.wsPosition);
     // The solid angle of a disk of the same area, seen from its axis.
     return 2 * kPi * (1 - distance / std::hypot(distance, std::sqrt(light.area()->area() / kPi)));
 }
@@ -368,7 +368,7 @@ double capOf(double solidAngle) {
 
 double widestCap(const Light& subLight, double part, const Bounds& ws) {
     if (subLight.distant()) return capOf(part);
-    const double r = glm::distance(subLight.wsPosition, glm::clamp(subLight.wsPosition, ws.lower, ws.upper));
+    const double r = ws.distance(subLight.wsPosition);
     return std::min(std::sqrt(part / kPi) / std::max(r, 1e-300), 0.5 * kPi);
 }
 

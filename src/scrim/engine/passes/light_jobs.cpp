@@ -170,12 +170,12 @@ std::vector<OctaveCells> octaveCells(const LevelScene& level, const std::vector<
     // Eight octaves on Disney's cloud: with cells twice as large for all but the first, what they show of a sky, a soft
     // box and a sphere differs by 0.1, 0.2 and 0.4 %, in a third of the time. With cells four times as large from the
     // third on, by 0.15, 0.4 and 0.6 %. Smoke of 16 voxels, whose features are as small as its voxels, lost 1 %.
-    constexpr int kLarger = 2;
     const bool edges = hasSurfaces(level.all) ||
                        std::ranges::any_of(lights, [&](int light) { return isBlocked(level.all, std::size_t(light)); });
-    if (edges || kLarger * edge > level.features) return {OctaveCells{}};
+    if (edges || kLargerCells * edge > level.features) return {OctaveCells{}};
     std::vector<OctaveCells> sizes;
-    for (const OctaveCells& size : {OctaveCells{.above = 1.0 / kLarger}, OctaveCells{kLarger, -1, 1.0 / kLarger}}) {
+    for (const OctaveCells& size :
+         {OctaveCells{.above = 1.0 / kLargerCells}, OctaveCells{kLargerCells, -1, 1.0 / kLargerCells}}) {
         const auto has = [&](const ViewVolume& volume) {
             return std::ranges::any_of(octavesOf(volume.medium), [&](const Octave& o) { return size.have(o); });
         };

@@ -14,6 +14,9 @@
 
 namespace scrim {
 
+/// How much larger the cells of further octaves may be, by their edge.
+inline constexpr int kLargerCells = 2;
+
 /// Octaves of media (scene/medium.h) that have cells of one size. To the light of further octaves the medium is
 /// thinner: cells that are larger in proportion are as exact, as long as they show the volumes' features.
 struct OctaveCells {

@@ -42,7 +42,7 @@ double cellLightSeconds(const ViewScene& scene, const CellLightPlan& plan) {
 }
 
 double pixelsOf(const Camera& camera, const Bounds& ws) {
-    const double distance = glm::distance(glm::clamp(camera.wsPosition, ws.lower, ws.upper), camera.wsPosition);
+    const double distance = ws.distance(camera.wsPosition);
     const double across = glm::length(ws.size()) / std::numbers::sqrt3 / std::max(pixelAt(camera, distance), 1e-300);
     return across * across;
 }

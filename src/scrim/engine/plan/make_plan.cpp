@@ -335,11 +335,9 @@ bool eyeAmong(const ViewScene& scene, double texel) {
 bool sharpCone(const ViewScene& scene, const Light& light, double texel) {
     constexpr double kOfTexel = 0.5;
     if (!light.spot()) return false;
-    const Bounds ws = wsBounds(scene);
     const SpotEdges edges(*light.spot());
     const double border = std::acos(edges.outer) - std::acos(edges.inner);
-    return border * glm::distance(light.wsPosition, glm::clamp(light.wsPosition, ws.lower, ws.upper)) <
-           kOfTexel * texel;
+    return border * wsBounds(scene).distance(light.wsPosition) < kOfTexel * texel;
 }
 
 // The reason why something in the scene needs shading at pixels; empty if texels serve as well.

@@ -9,6 +9,7 @@
 #include <scrim/engine/light/backdrop.h>
 #include <scrim/engine/cells/cell_levels.h>
 #include <scrim/engine/cells/cell_media.h>
+#include <scrim/engine/passes/light_jobs.h>
 #include <scrim/engine/solve/cell_sweep.h>
 #include <scrim/engine/solve/last_sweep.h>
 #include <scrim/engine/solve/first_light.h>
@@ -281,8 +282,8 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan, const CellLe
     int octaves = 1;
     for (const ViewVolume& volume : scene.volumes) octaves = std::max(octaves, volume.medium.octaves.count);
     // Cells of further octaves may be larger (octaveCells); a lamp has two fields for them.
-    const bool alike = solidsBlock(scene) || hasSurfaces(scene) || 2 * least > level.features;
-    const double further = octaves == 1 ? 0 : alike ? 1 : 1.0 / 8;
+    const bool alike = solidsBlock(scene) || hasSurfaces(scene) || kLargerCells * least > level.features;
+    const double further = octaves == 1 ? 0 : alike ? 1 : std::pow(kLargerCells, -3);
     double lamps = 0, near = 0;
     std::vector<int> apart;
     for (const int i : plan.lights) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/shade/lamp_on_path.h>
 
+#include <scrim/scene/light_at.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,6 +25,7 @@ double angleOf(double cosine) {
 
 LampOnPath::LampOnPath(const NearOnSheet& light, Real texel, Real thickness)
     : m_light(light),
+      m_axis(double(light.axisU), double(light.axisV), double(light.axisW)),
       m_texel(double(texel)),
       m_thickness(double(thickness)),
       m_plane(double(light.distanceW) + double(light.plane)),
@@ -53,13 +56,9 @@ LampOnPath::LampOnPath(const NearOnSheet& light, Real texel, Real thickness)
 double LampOnPath::sent(const Ray& ray, double t) const {
     const double cosineOfT = std::cos(t), r2 = ray.nearest * ray.nearest / (cosineOfT * cosineOfT);
     const Vec3 direction = cosineOfT * ray.across + std::sin(t) * ray.along;
-    const double cosine =
-        glm::dot(direction, Vec3(double(m_light.axisU), double(m_light.axisV), double(m_light.axisW)));
+    const double cosine = glm::dot(direction, m_axis);
     double part = m_light.decay ? r2 / std::max(r2, double(m_light.ownRadius2)) : r2;
-    if (m_light.cone) {
-        const double inside = std::clamp((cosine - m_outer) / (m_inner - m_outer), 0.0, 1.0);
-        part *= inside * inside * (3 - 2 * inside);
-    }
+    if (m_light.cone) part *= SpotEdges(m_outer, m_inner).part(cosine);
     if (m_light.profile) {
         const auto& frame = m_light.profile->frame;
         part *= m_light.profile->table->at(
@@ -93,7 +92,7 @@ LampOnPath::Course LampOnPath::courseOf(const SampleTile& samples, int k) const 
     if (2 * half <= m_even * r) return Course::even;
     if (m_outer <= -1) return Course::changing;
     // How far a place is within a cone, or beyond it if this is negative, changes by at most twice the way.
-    const double along = glm::dot(at, Vec3(double(m_light.axisU), double(m_light.axisV), double(m_light.axisW)));
+    const double along = glm::dot(at, m_axis);
     if (along - m_outer * r < -2 * half) return Course::dark;
     const bool whole = m_light.cone && m_step == 0 && m_light.slideAngle == 0 && along - m_inner * r > 2 * half;
     return whole && 2 * half < kFar * r ? Course::even : Course::changing;
@@ -113,8 +112,7 @@ LampOnPath::Ray LampOnPath::rayOf(const Path& path) const {
     ray.across = glm::length(foot) > 1e-3 * m_least ? glm::normalize(foot)
                                                     : glm::normalize(glm::cross(ray.along, Vec3(0.36, 0.48, 0.8)));
     // The cosine to the light's axis is reach * cos(t - turn).
-    const Vec3 axis(double(m_light.axisU), double(m_light.axisV), double(m_light.axisW));
-    const double x = glm::dot(axis, ray.across), y = glm::dot(axis, ray.along), reach = std::sqrt(x * x + y * y);
+    const double x = glm::dot(m_axis, ray.across), y = glm::dot(m_axis, ray.along), reach = std::sqrt(x * x + y * y);
     ray.lit = reach > m_outer;
     if (!ray.lit) return ray;
     const double begin = std::atan((ray.before + ray.low * ray.slant) / ray.nearest),
@@ -191,17 +189,20 @@ void LampOnPath::takePart(const SampleTile& samples, const Ray* rays, int i, int
 bool LampOnPath::average(const SampleTile& samples, const bool (&wanted)[kTileSize], int rows,
                          const std::function<void(const SampleTile& part, Real* values)>& meets, Real* means) const {
     constexpr int kParts = 6;
-    bool changes = false, lit = false;
+    bool changes = false;
     Course courses[kTileSize];
     for (int k = 0; k < kTileSize; ++k) {
         courses[k] = limited() && wanted[k] ? courseOf(samples, k) : Course::dark;
         changes = changes || courses[k] == Course::changing;
-        lit = lit || courses[k] != Course::dark;
     }
     if (!changes) return false;
     thread_local Part part;
     thread_local Ray rays[kTileSize];
-    for (int k = 0; k < kTileSize; ++k) rays[k] = courses[k] == Course::changing ? rayOf(pathOf(samples, k)) : Ray{};
+    bool lit = false;
+    for (int k = 0; k < kTileSize; ++k) {
+        rays[k] = courses[k] == Course::changing ? rayOf(pathOf(samples, k)) : Ray{};
+        lit = lit || rays[k].lit || courses[k] == Course::even;
+    }
     alignas(64) Real values[kMostRows * kTileSize];
     alignas(64) Real all[kTileSize] = {};
     std::fill_n(means, std::size_t(rows) * kTileSize, Real(0));

@@ -70,6 +70,7 @@ class LampOnPath {
     double sent(const Ray& ray, double t) const;
 
     const NearOnSheet& m_light;
+    Vec3 m_axis;
     double m_texel, m_thickness, m_plane, m_least;
     double m_outer = -1, m_inner = -1;  // cosines of the border of what is lit, and of that of what is fully lit
     double m_even;                      // the angle, radians, within which what the light sends changes little

@@ -169,6 +169,13 @@ HWY_ATTR void limitToWindow(const NearOnSheet::Window& window, Incidence& in) {
     });
 }
 
+// The sum of all channels at sample k.
+HWY_ATTR HWY_INLINE double extinctionAt(const ShadeInput& input, int k) {
+    double sum = 0;
+    for (int r = 0; r < input.channels; ++r) sum += double(input.extinction[r][k]);
+    return sum;
+}
+
 // Where the light sees much of a path at once, its mean over the path counts. Only what has extinction is asked.
 HWY_ATTR void meetAlongPaths(const ShadeInput& input, const NearOnSheet& light, bool attenuated, Incidence& in) {
     const LampOnPath lamp(light, input.texel, input.thickness);
@@ -176,8 +183,7 @@ HWY_ATTR void meetAlongPaths(const ShadeInput& input, const NearOnSheet& light, 
         const LampOnPath::Course course = lamp.courseOf(*input.samples, k);
         if (course == LampOnPath::Course::dark) in.irradiance[k] = 0;
         if (course != LampOnPath::Course::changing) continue;
-        double extinction = 0;
-        for (int r = 0; r < input.channels; ++r) extinction += double(input.extinction[r][k]);
+        const double extinction = extinctionAt(input, k);
         if (extinction == 0) continue;
         const double a = double(input.samples->eyeA[k]), b = double(input.samples->eyeB[k]);
         const double eye = std::sqrt(1 + a * a + b * b), way = attenuated ? double(in.slant[k]) : 0;
@@ -200,13 +206,10 @@ HWY_ATTR bool tintAlongPaths(const ShadeInput& input, const SheetLight& light, R
         else
             std::fill_n(values, 3 * kTileSize, Real(0));
     };
+    if (!light.near()) return tintTile(light.slide, *input.samples, toTexels, tint);
     bool wanted[kTileSize];
-    for (int k = 0; k < kTileSize; ++k) {
-        wanted[k] = false;
-        for (int r = 0; r < input.channels; ++r) wanted[k] = wanted[k] || input.extinction[r][k] > 0;
-    }
-    if (light.near() &&
-        LampOnPath(*light.near(), input.texel, input.thickness).average(*input.samples, wanted, 3, meets, tint))
+    for (int k = 0; k < kTileSize; ++k) wanted[k] = extinctionAt(input, k) > 0;
+    if (LampOnPath(*light.near(), input.texel, input.thickness).average(*input.samples, wanted, 3, meets, tint))
         return any;
     return tintTile(light.slide, *input.samples, toTexels, tint);
 }

@@ -32,6 +32,14 @@ constexpr double kNearest = 0.36;
 // and 0.3 % (2.5 edges: the same), which is what cells cannot resolve of the light of further collisions.
 constexpr double kNear = 1.5;
 
+// The middle of the i-th of kParts parts of a cell.
+constexpr int kParts = 64;
+Vec3 wsPart(const CellGrid& grid, std::size_t cell, int i) {
+    constexpr int kAlong = 4;
+    return grid.wsFromCs(Vec3(grid.place(cell)) +
+                         (Vec3(i % kAlong, i / kAlong % kAlong, i / (kAlong * kAlong)) + 0.5) / double(kAlong));
+}
+
 // The mean transmittance over a path of optical depth `own`, whose middle lies at `middle`. A bundle of rays that
 // grazes a dense cell may lie at less than a half of the cell's own depth: nothing is brighter than where light enters.
 double meanOverCell(double middle, double own) {
@@ -108,15 +116,9 @@ bool FirstCollisions::reaches(const Vec3& ws) const {
 
 // Without attenuation, the mean over a cell, in which beams and pictures may be smaller.
 Rgb FirstCollisions::meanIn(std::size_t cell) const {
-    constexpr int kParts = 4;
-    const CellGrid& grid = m_media.grid;
-    const Vec3 corner(grid.place(cell));
     Rgb sum(0);
-    for (int i = 0; i < kParts * kParts * kParts; ++i) {
-        const Vec3 part = (Vec3(i % kParts, i / kParts % kParts, i / (kParts * kParts)) + 0.5) / double(kParts);
-        sum += m_unattenuated.at(grid.wsFromCs(corner + part)).irradiance;
-    }
-    return sum / double(kParts * kParts * kParts);
+    for (int i = 0; i < kParts; ++i) sum += m_unattenuated.at(wsPart(m_media.grid, cell, i)).irradiance;
+    return sum / double(kParts);
 }
 
 // Where the edge of a shadow passes a cell, or between the centres of neighbours, a cell counts by its part that is
@@ -148,11 +150,9 @@ void FirstCollisions::findShadows() {
             edge = beside >= 0 && centres[std::size_t(beside)] != centres[cell];
         }
         if (!edge) return;
-        constexpr int kParts = 4;
         int lit = 0, all = 0;
-        for (int i = 0; i < kParts * kParts * kParts; ++i) {
-            const Vec3 part = (Vec3(i % kParts, i / kParts % kParts, i / (kParts * kParts)) + 0.5) / double(kParts);
-            const Vec3 ws = grid.wsFromCs(Vec3(place) + part);
+        for (int i = 0; i < kParts; ++i) {
+            const Vec3 ws = wsPart(grid, cell, i);
             if (grid.walled(block) >= 0 && !grid.sees(grid.wsInside(place), ws)) continue;
             ++all;
             lit += reaches(ws) ? 1 : 0;
