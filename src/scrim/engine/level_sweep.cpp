@@ -79,7 +79,7 @@ class LevelSweep {
             int count = 0;
             while (count < batch && sheet + count < last && !(level.finer && level.finer->any(sheet + count))) ++count;
             if (count > 0) {
-                enter(level, sheet, count);
+                count = enter(level, sheet, count);
                 composite(level, sheet, count, nullptr);
             } else {
                 divide(number, sheet);
@@ -103,13 +103,15 @@ class LevelSweep {
         composite(level, sheet, 1, finer.data());
     }
 
-    // Splats the sheets, and carries the lights through them.
-    void enter(Level& level, int sheet, int count) {
+    // Splats the sheets, and carries the lights through them. Returns how many, at most `count`.
+    int enter(Level& level, int sheet, int count) {
+        const NeededTiles& needed = level.sheets.group.needed;
         level.sheets.sheet = sheet;
+        count = level.sheets.extinction.take(sheet, count, needed.last, needed, m_work.footprints);
         m_work.sheets += static_cast<std::uint64_t>(count);
-        m_work.footprints += level.sheets.extinction.splat(sheet, count, &level.sheets.group.needed);
         m_work += level.sheets.lights.attenuate(sheet, count, level.sheets.extinction);
         if (level.balls) m_work.shade += level.balls->enter(sheet, count);
+        return count;
     }
 
     void composite(Level& level, int sheet, int count, const std::uint8_t* finer) {

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -23,7 +22,8 @@ namespace scrim {
 namespace {
 
 constexpr double kStep = 3;           // steps of rays, voxels
-constexpr double kFlatStep = 0.25;    // the same through flat voxels, whose values change with each along most rays
+constexpr double kFlatStep = 0.5;     // the same through flat voxels, whose values change with each along most rays
+constexpr double kVeryFlat = 8;       // edges of voxels that take steps half as long
 constexpr double kFlatReach = 7;      // voxels by which flat ones that are four times coarser may reach farther
 constexpr double kLeastShare = 1e-3;  // steps that contribute less than this to the ray are not lit
 constexpr double kMostUnlit = 0.01;   // of a ray through volumes of unlike voxels, between points that are lit
@@ -82,10 +82,11 @@ double voxelOf(const ViewVolume& volume) {
 class PilotScene {
   public:
     /// `like`: the scene whose steps the rays take; null: they are chosen for this one.
-    explicit PilotScene(const ViewScene& scene, const PilotScene* like = nullptr) {
+    explicit PilotScene(const ViewScene& scene, const PilotScene* like = nullptr)
+        : m_rays(wsRays(scene.camera)), m_size(scene.camera.resolution) {
         FieldSamplers samplers;
         m_flat = like != nullptr ? like->m_flat : anyFlat(scene);
-        m_step = m_flat ? kFlatStep : kStep;
+        m_step = like != nullptr ? like->m_step : stepOf(scene);
         for (const ViewVolume& volume : scene.volumes) {
             if (volume.field->empty() && volume.emission.empty()) continue;
             PilotVolume& own = m_volumes.emplace_back(volume, samplers);
@@ -126,14 +127,15 @@ class PilotScene {
         m_v = frame[1];
     }
 
-    // Radiance of a ray through the field and through texels of it, and alpha; all 0 where the ray meets nothing.
-    // `thickness`: the sum over the ray of the optical depths of voxels, weighted by the radiance that comes from
-    // there.
+    // Radiance of ray `number` of the pilots through the field and through texels of it, and alpha; all 0 where the ray
+    // meets nothing. `thickness`: the sum over the ray of the optical depths of voxels, weighted by the radiance that
+    // comes from there.
     struct Seen {
         double exact = 0, texels = 0, alpha = 0, thickness = 0;
     };
-    Seen look(const Vec3& origin, const Vec3& direction, double jitter, bool texels = true) const {
-        if (m_flat) jitter = 0.5;
+    Seen look(int number, bool texels = true) const {
+        const auto [origin, direction] = ray(number);
+        const double jitter = m_flat ? 0.5 : pilotPlace(number).z;
         Seen seen;
         const auto [first, last] = m_bounds.clip(origin, direction, 0, kFar);
         if (!(first < last)) return seen;
@@ -166,7 +168,30 @@ class PilotScene {
         return {radiance[0], radiance[1], 1 - through[0], thickness};
     }
 
+    // The optical depth of the first voxels of ray `i`.
+    double depthAtEye(int i, int voxels) const {
+        const auto [origin, direction] = ray(i);
+        double depth = 0;
+        for (const PilotVolume& volume : m_volumes)
+            for (int k = 0; k < voxels; ++k)
+                depth += std::max(volume.at(origin + (k + 0.5) * m_voxel * direction).extinction, 0.0) * m_voxel;
+        return depth;
+    }
+
   private:
+    static double stepOf(const ViewScene& scene) {
+        if (!anyFlat(scene)) return kStep;
+        const bool very =
+            std::ranges::any_of(scene.volumes, [](const ViewVolume& v) { return flatness(v) > kVeryFlat; });
+        return very ? 0.5 * kFlatStep : kFlatStep;
+    }
+    // Where ray `i` of the pilots begins, and its direction.
+    std::pair<Vec3, Vec3> ray(int i) const {
+        const Vec3 place = pilotPlace(i);
+        const double x = place.x * m_size.x, y = place.y * m_size.y;
+        const Vec3 perDepth = m_rays.direction(x, y);
+        return {m_rays.origin(x, y) + m_rays.near * perDepth, glm::normalize(perDepth)};
+    }
     // All volumes have steps of about one length; or, of many volumes, the finest are taken for all.
     void chooseSteps(const PilotScene* like) {
         constexpr double kAlike = 1.5;
@@ -345,6 +370,8 @@ class PilotScene {
         for (int i = 0; i < 2; ++i) light[i] += power * std::exp(-tau[i]);
     }
 
+    RayFamily m_rays;
+    Int2 m_size;
     std::vector<PilotVolume> m_volumes;
     Cells m_cells;  // empty if there are few volumes
     std::vector<PilotLight> m_lights;
@@ -374,17 +401,18 @@ Vec3 pilotPlace(int i) {
     return {evenPoint(i), glm::fract(0.5 + 0.618034 * i)};
 }
 
+double depthAtEye(const ViewScene& scene, int rays, int voxels) {
+    const PilotScene pilots(scene);
+    double sum = 0;
+    for (int i = 0; i < rays; ++i) sum += pilots.depthAtEye(i, voxels);
+    return sum / rays;
+}
+
 double visibleThickness(const ViewScene& given, int rays) {
     const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostLights));
-    const RayFamily family = wsRays(scene.camera);
-    const Int2 size = scene.camera.resolution;
     const PilotScene pilots(scene);
     std::vector<PilotScene::Seen> seen(static_cast<std::size_t>(rays));
-    parallelFor(seen.size(), [&](std::size_t i) {
-        const Vec3 place = pilotPlace(static_cast<int>(i));
-        const double x = place.x * size.x, y = place.y * size.y;
-        seen[i] = pilots.look(family.origin(x, y), glm::normalize(family.direction(x, y)), place.z);
-    });
+    parallelFor(seen.size(), [&](std::size_t i) { seen[i] = pilots.look(static_cast<int>(i)); });
     double thickness = 0, light = 0;
     for (const PilotScene::Seen& ray : seen) {
         thickness += ray.thickness;
@@ -408,25 +436,26 @@ double oneDeviationAbove(double squares, double fourths, double values, int coun
 }  // namespace
 
 struct PilotRadiance {
+    struct Ray {
+        double radiance = 0, alpha = 0;
+    };
+
     PilotRadiance(const ViewScene& given, int count)
         : scene(withFewSubLights(given, static_cast<int>(kMostLights))), pilots(scene), seen(look(pilots, count)) {}
 
-    // The radiance of each ray, 0 where nothing is visible.
-    std::vector<double> look(const PilotScene& through, int count) const {
-        const RayFamily family = wsRays(scene.camera);
-        std::vector<double> radiance(static_cast<std::size_t>(count));
-        parallelFor(radiance.size(), [&](std::size_t i) {
-            const Vec3 place = pilotPlace(static_cast<int>(i));
-            const double x = place.x * scene.camera.resolution.x, y = place.y * scene.camera.resolution.y;
-            const auto ray = through.look(family.origin(x, y), glm::normalize(family.direction(x, y)), place.z, false);
-            radiance[i] = ray.alpha < 1e-3 ? 0 : ray.exact;
+    // What each ray sees; 0 where nothing is visible.
+    static std::vector<Ray> look(const PilotScene& through, int count) {
+        std::vector<Ray> rays(static_cast<std::size_t>(count));
+        parallelFor(rays.size(), [&](std::size_t i) {
+            const PilotScene::Seen ray = through.look(static_cast<int>(i), false);
+            if (ray.alpha >= 1e-3) rays[i] = {ray.exact, ray.alpha};
         });
-        return radiance;
+        return rays;
     }
 
     const ViewScene scene;
     const PilotScene pilots;
-    const std::vector<double> seen;
+    const std::vector<Ray> seen;
 };
 
 CoarserPilot::CoarserPilot(const ViewScene& scene, int rays)
@@ -436,28 +465,46 @@ CoarserPilot::~CoarserPilot() = default;
 double CoarserPilot::error(const ViewScene& coarser) const {
     const ViewScene scene = withFewSubLights(coarser, static_cast<int>(kMostLights));
     const PilotScene pilots(scene, &m_rays->pilots);
-    const std::vector<double> seen = m_rays->look(pilots, static_cast<int>(m_rays->seen.size()));
-    double squares = 0, fourths = 0, values = 0;
-    int count = 0;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-        const double exact = m_rays->seen[i], square = (exact - seen[i]) * (exact - seen[i]);
-        squares += square;
-        fourths += square * square;
-        values += exact;
-        count += exact > 0 || seen[i] > 0;
+    const std::vector<PilotRadiance::Ray> seen = PilotRadiance::look(pilots, static_cast<int>(m_rays->seen.size()));
+    // Of radiance, and of alpha, which shows edges where there is little light.
+    double most = 0;
+    for (const auto value : {&PilotRadiance::Ray::radiance, &PilotRadiance::Ray::alpha}) {
+        double squares = 0, fourths = 0, values = 0;
+        int count = 0;
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+            const double exact = m_rays->seen[i].*value, found = seen[i].*value;
+            const double square = (exact - found) * (exact - found);
+            squares += square;
+            fourths += square * square;
+            values += exact;
+            count += exact > 0 || found > 0;
+        }
+        if (squares > 0 && values > 0) most = std::max(most, oneDeviationAbove(squares, fourths, values, count));
     }
-    return squares > 0 && values > 0 ? oneDeviationAbove(squares, fourths, values, count) : 0;
+    return most;
 }
 
 double seenRadiance(const ViewScene& scene, int rays) {
     const PilotRadiance all(scene, rays);
-    return std::accumulate(all.seen.begin(), all.seen.end(), 0.0);
+    double sum = 0;
+    for (const PilotRadiance::Ray& ray : all.seen) sum += ray.radiance;
+    return sum;
+}
+
+double contrastSeen(const ViewScene& scene, int rays) {
+    const PilotRadiance all(scene, rays);
+    double sum = 0, squares = 0;
+    int count = 0;
+    for (const PilotRadiance::Ray& ray : all.seen) {
+        sum += ray.radiance;
+        squares += ray.radiance * ray.radiance;
+        count += ray.alpha > 0;
+    }
+    return sum > 0 ? std::sqrt(squares * count) / sum : 1;
 }
 
 double pilotError(const ViewScene& given, int rays, int mostRays) {
     const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostLights));
-    const RayFamily family = wsRays(scene.camera);
-    const Int2 size = scene.camera.resolution;
     constexpr int kTasks = 8, kMostTries = 16;
     struct Sums {
         double squares = 0, fourths = 0, values = 0;
@@ -469,10 +516,7 @@ double pilotError(const ViewScene& given, int rays, int mostRays) {
         parallelFor(kTasks, [&](std::size_t task) {
             Sums& own = sums[task];
             for (; own.tries * kTasks < kMostTries * rays && own.count * kTasks < rays; ++own.tries) {
-                const int i = own.tries * kTasks + static_cast<int>(task);
-                const Vec3 place = pilotPlace(i);
-                const double x = place.x * size.x, y = place.y * size.y;
-                const auto seen = pilots.look(family.origin(x, y), glm::normalize(family.direction(x, y)), place.z);
+                const PilotScene::Seen seen = pilots.look(own.tries * kTasks + static_cast<int>(task));
                 if (seen.alpha < 1e-3 && seen.exact <= 0) continue;
                 const double square = (seen.texels - seen.exact) * (seen.texels - seen.exact);
                 own.squares += square;

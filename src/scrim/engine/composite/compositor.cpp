@@ -438,18 +438,23 @@ RenderWork Compositor::forOpenTiles(int firstSheet, int count, const TilesOf& ti
         parts.push_back({range, tilesOf(range), firstSheet + last == blockEnd});
         p = last;
     }
-    std::vector<int> rows;
+    // Tiles of one row that a task walks: few, since some see much and most see nothing.
+    constexpr int kTilesPerTask = 4;
+    struct Task {
+        int tx, ty;
+    };
+    std::vector<Task> tasks;
     for (int ty = 0; ty < m_tiles.tilesY(); ++ty)
         if (std::ranges::any_of(parts, [&](const Part& part) { return part.endsBlock || part.tiles.anyIn(ty); }))
-            rows.push_back(ty);
-    std::vector<RenderWork> walked(rows.size());
-    parallelFor(rows.size(), [&](std::size_t row) {
-        const int ty = rows[row];
-        for (int tx = 0; tx < m_tiles.tilesX(); ++tx) {
+            for (int tx = 0; tx < m_tiles.tilesX(); tx += kTilesPerTask) tasks.push_back({tx, ty});
+    std::vector<RenderWork> walked(tasks.size());
+    parallelFor(tasks.size(), [&](std::size_t i) {
+        const auto [first, ty] = tasks[i];
+        for (int tx = first; tx < std::min(first + kTilesPerTask, m_tiles.tilesX()); ++tx) {
             const int tile = ty * m_tiles.tilesX() + tx;
             for (const Part& part : parts) {
                 if (m_tiles.opaque(tile)) break;
-                if (part.tiles.contains(tx, ty)) walked[row] += walk(tile, part.range);
+                if (part.tiles.contains(tx, ty)) walked[i] += walk(tile, part.range);
                 if (part.endsBlock) markIfOpaque(tile, blockBegin(part.range.sheet) + kBlock);
             }
         }

@@ -124,19 +124,22 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
                                std::size_t((y - m_window.y0) * m_window.width() + x - m_window.x0)] = kUsed;
             });
     }
-    listRows();
+    listTasks();
     if (m_anywhere) meetTiles();
 }
 
-void ShadowBuffer::listRows() {
-    m_rows.clear();
-    const auto width = std::size_t(m_window.width());
-    for (int y = 0; y < m_window.height(); ++y) {
-        bool any = false;
-        for (int s = 0; s < m_count && !any; ++s)
-            any = std::memchr(usedIn(s) + std::size_t(y) * width, kUsed, width) != nullptr;
-        if (any) m_rows.push_back(y);
-    }
+void ShadowBuffer::listTasks() {
+    constexpr int kTilesPerTask = 8;
+    m_tasks.clear();
+    for (int row = 0; row < m_window.height(); ++row)
+        for (int begin = 0; begin < m_window.width(); begin += kTilesPerTask) {
+            const int end = std::min(begin + kTilesPerTask, m_window.width());
+            const auto at = std::size_t(row * m_window.width() + begin);
+            bool any = false;
+            for (int s = 0; s < m_count && !any; ++s)
+                any = std::memchr(usedIn(s) + at, kUsed, std::size_t(end - begin)) != nullptr;
+            if (any) m_tasks.push_back({row, begin, end});
+        }
 }
 
 // Remembers the tiles of the raster that take part in the batch.
@@ -144,9 +147,9 @@ void ShadowBuffer::meetTiles() {
     const int rasterX = m_view.width / kTileEdge, rasterY = m_view.height / kTileEdge;
     m_met.resize(std::size_t(rasterX) * std::size_t(rasterY));
     for (int s = 0; s < m_count; ++s)
-        for (const int row : m_rows)
-            forTilesIn(usedIn(s) + row * m_window.width(), m_window.width(), kUsed, [&](int x) {
-                const int y = m_window.y0 + row;
+        for (const Task& task : m_tasks)
+            forUsed(s, task, [&](int x) {
+                const int y = m_window.y0 + task.row;
                 m_met[std::size_t(y) * std::size_t(rasterX) + std::size_t(m_window.x0 + x)] = 1;
             });
 }
@@ -191,7 +194,8 @@ void attenuateAlongRays(const AttenuateTile& tile, int s, const LightView& view,
 
 std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
                                       const std::vector<const Surface*>& surfaces) {
-    const int row = m_rows[std::size_t(task)], tileY = m_window.y0 + row;
+    const Task& own = m_tasks[std::size_t(task)];
+    const int row = own.row, tileY = m_window.y0 + row;
     std::uint64_t samples = 0;
     const auto isUsed = [&](int s, int x) { return usedIn(s)[row * m_window.width() + x] != 0; };
     const auto tileOf = [&](int s, int x, const LightView::Cells& map) {
@@ -218,11 +222,10 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
     // Texels are read plane by plane. Surfaces are followed along their rays, tile by tile.
     for (int s = 0; s < m_count && surfaces.empty(); ++s) {
         const LightView::Cells map = m_view.at(m_firstSheet + s);
-        forTilesIn(usedIn(s) + row * m_window.width(), m_window.width(), kUsed,
-                   [&](int x) { attenuateTile(tileOf(s, x, map)); });
+        forUsed(s, own, [&](int x) { attenuateTile(tileOf(s, x, map)); });
     }
     std::vector<ClassifiedTile> classified(surfaces.size());
-    for (int x = 0; x < m_window.width() && !surfaces.empty(); ++x) {
+    for (int x = own.begin; x < own.end && !surfaces.empty(); ++x) {
         for (ClassifiedTile& through : classified) through.leave();
         for (int s = 0; s < m_count; ++s)
             if (isUsed(s, x))

@@ -29,11 +29,12 @@ class Shadow {
     /// Prepares sheets [firstSheet, firstSheet + count), whose planes are in `extinction`. `covered` has active tiles
     /// wherever there is extinction or the shadow will be looked up.
     virtual void beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered) = 0;
-    /// The number of independent tasks of the batch, which are rows of tiles.
+    /// The number of independent tasks of the batch, which are tiles of one row.
     virtual int taskCount() const = 0;
-    /// Carries one row of tiles through the sheets of the batch: keeps tau at entry, then adds each sheet's extinction
-    /// times the path through it. `surfaces`: if there are any, all extinction is theirs, and buffers that are
-    /// resampled from the shared sheets classify it along their own rays. Returns the number of light samples taken.
+    /// Carries the tiles of one task through the sheets of the batch: keeps tau at entry, then adds each sheet's
+    /// extinction times the path through it. `surfaces`: if there are any, all extinction is theirs, and buffers that
+    /// are resampled from the shared sheets classify it along their own rays. Returns the number of light samples
+    /// taken.
     virtual std::uint64_t attenuate(int task, const PlaneStack& extinction,
                                     const std::vector<const Surface*>& surfaces) = 0;
     /// After all of `attenuate`: compensates for the blur of later look-ups in sheet s of the batch.
@@ -85,7 +86,7 @@ class ShadowBuffer final : public Shadow {
     void beginBatch(int firstSheet, int count, const PlaneStack& extinction) {
         beginBatch(firstSheet, count, extinction, extinction);
     }
-    int taskCount() const override { return static_cast<int>(m_rows.size()); }
+    int taskCount() const override { return static_cast<int>(m_tasks.size()); }
     std::uint64_t attenuate(int task, const PlaneStack& extinction,
                             const std::vector<const Surface*>& surfaces) override;
 
@@ -112,7 +113,7 @@ class ShadowBuffer final : public Shadow {
     void lookUpPatch(int s, const LightView::Cells& map, const Real* u, const Real* v, int count, Real* tau) const;
     void leaveTheSource(double part, const FloatPlane& extinction);
     void keepLast();
-    void listRows();
+    void listTasks();
     void meetTiles();
     FloatPlane planeOf(const Real* entry, const Box2<int>& window) const;
     FloatPlane entryPlane(int s) const { return planeOf(m_entry.data() + std::size_t(s) * entryStride(), m_window); }
@@ -134,7 +135,16 @@ class ShadowBuffer final : public Shadow {
     ZeroedArray<Real> m_entry;
     static constexpr std::uint8_t kUsed = 1;
     std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window: kUsed, or 0
-    std::vector<int> m_rows;           // rows of the window in which tiles take part, ascending
+    struct Task {
+        int row, begin, end;  // tiles [begin, end) of a row of the window
+    };
+    std::vector<Task> m_tasks;  // those with tiles that take part, ascending
+    // Calls visit(x) for the task's tiles, by their place in the window, that take part in sheet s.
+    template <class Visit>
+    void forUsed(int s, const Task& task, const Visit& visit) const {
+        forTilesIn(usedIn(s) + task.row * m_window.width() + task.begin, task.end - task.begin, kUsed,
+                   [&](int x) { visit(task.begin + x); });
+    }
 
     // Window, entry planes and tiles of the last sheets before the batch, the very last sheet first.
     bool m_looksBefore;

@@ -34,7 +34,7 @@ namespace scrim {
 namespace {
 
 // The buffers of a batch should stay close to the caches. Larger ones only pay with more threads.
-constexpr std::size_t kComfortableBytes = std::size_t{64} << 20;
+constexpr std::size_t kComfortableBytes = std::size_t{64} << 20, kForThread = kComfortableBytes / 2;
 constexpr int kLeastBatch = 16;
 
 std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan& group, int batch) {
@@ -59,8 +59,9 @@ void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, co
     const int wanted = std::min(group.sheets.count, std::max(kLeastBatch, 8 * threads));
     // If memory is short, a deep picture gets at least half of what the flat one leaves.
     const std::size_t left = scene.memoryLimit - std::min(scene.memoryLimit, frameBytes);
+    const std::size_t comfortable = std::max(kComfortableBytes, std::size_t(threads) * kForThread);
     const std::size_t budget =
-        scene.memoryLimit == 0 ? kComfortableBytes : std::min(kComfortableBytes, scene.deep ? left / 2 : left);
+        scene.memoryLimit == 0 ? comfortable : std::min(comfortable, scene.deep ? left / 2 : left);
     // Memory grows with the batch. The largest that fits is at least batchSheets and less than tooMany.
     group.batchSheets = bytesFor(wanted) <= budget ? wanted : 1;
     for (int tooMany = wanted; group.batchSheets + 1 < tooMany;) {
@@ -333,11 +334,11 @@ bool eyeAmong(const ViewScene& scene, double texel) {
 
 // True if the border of a spot's cone is sharper than texels where it meets the volumes.
 bool sharpCone(const ViewScene& scene, const Light& light, double texel) {
-    constexpr double kOfTexel = 0.5;
+    constexpr double kTexels = 4;  // a border of half a texel left 17 % at texels, and 1 % at pixels
     if (!light.spot()) return false;
     const SpotEdges edges(*light.spot());
     const double border = std::acos(edges.outer) - std::acos(edges.inner);
-    return border * wsBounds(scene).distance(light.wsPosition) < kOfTexel * texel;
+    return border * wsBounds(scene).distance(light.wsPosition) < kTexels * texel;
 }
 
 // The reason why something in the scene needs shading at pixels; empty if texels serve as well.

@@ -293,12 +293,19 @@ void addSky(const Light& sky, const Ordinates& ordinates, int colour, std::vecto
     constexpr int kColumns = 256;
     const int finer = std::max(1, kColumns / (2 * std::max(picture.width, picture.height)));
     const int width = picture.width * finer, height = picture.height * finer;
+    std::vector<int> nearest(std::size_t(width) * std::size_t(height));
+    parallelFor(std::size_t(height), [&](std::size_t y) {
+        const double v = (double(y) + 0.5) / height;
+        for (int x = 0; x < width; ++x)
+            nearest[y * std::size_t(width) + std::size_t(x)] =
+                nearestOrdinate(ordinates, -domeDirection(sky, (x + 0.5) / width, v));
+    });
     std::vector<SkyMean> means(radiance.size());
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const double v = (y + 0.5) / height;
-            const Vec3 towards = domeDirection(sky, (x + 0.5) / width, v);
-            SkyMean& mean = means[std::size_t(nearestOrdinate(ordinates, -towards))];
+            const auto at = std::size_t(y) * std::size_t(width) + std::size_t(x);
+            SkyMean& mean = means[std::size_t(nearest[at])];
             const double weight = std::sin(std::numbers::pi * v);
             mean.radiance += weight * double(picture.pixel(x / finer, y / finer)[colour]);
             mean.weight += weight;

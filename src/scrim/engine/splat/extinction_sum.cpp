@@ -110,7 +110,7 @@ void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
 
 ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets, For who, const std::vector<bool>& among)
-    : m_channels(plan.extinction) {
+    : m_channels(plan.extinction), m_batchSheets(batchSheets) {
     const auto add = [&](const std::vector<std::vector<ViewField>>& placements, double scale) {
         m_own.push_back(std::make_unique<FieldPlanes>(placements, settingsOf(scale, scene.dials, plan.voxel),
                                                       scene.dials, sheets, lattice, batchSheets));
@@ -212,6 +212,28 @@ std::uint64_t ExtinctionSum::splat(int firstSheet, int count, const NeededTiles*
         if (!m_seen.empty()) addUp(static_cast<int>(p), false, m_seen);
     });
     return footprints;
+}
+
+int ExtinctionSum::take(int sheet, int count, int end, const NeededTiles& needed, std::uint64_t& footprints) {
+    if (std::ranges::any_of(m_volumes, [](const Volume& volume) { return volume.surface != nullptr; })) {
+        footprints += splat(sheet, count, &needed);  // surfaces keep sheets beside each batch
+        return count;
+    }
+    if (sheet < m_firstKept || sheet >= m_endKept) {
+        countFrom(0);
+        m_firstKept = sheet;
+        m_endKept = std::min(sheet + m_batchSheets, end);
+        footprints += splat(sheet, m_endKept - sheet, &needed);
+    }
+    countFrom(sheet - m_firstKept);
+    return std::min(count, m_endKept - sheet);
+}
+
+// See PlaneStack::countFrom.
+void ExtinctionSum::countFrom(int plane) {
+    for (FieldPlanes* field : m_fields) field->countFrom(plane);
+    for (std::vector<PlaneStack>* sums : {&m_totals, &m_seen})
+        for (PlaneStack& sum : *sums) sum.countFrom(plane);
 }
 
 // Sums the volumes, in their order, or those that the eye sees, into the channels of one sheet. The first channel is

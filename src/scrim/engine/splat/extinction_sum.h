@@ -30,6 +30,12 @@ class ExtinctionSum {
     /// that were added. See FieldPlanes::splat.
     std::uint64_t splat(int firstSheet, int count, const NeededTiles* needed = nullptr, const TileCull& cull = {});
 
+    /// For users who take few sheets at a time, one after the other: makes planes from 0 on those of the sheets from
+    /// `sheet` on, and returns how many there are, at most `count`. It splats as many as a batch holds, up to `end`,
+    /// and keeps them: voxels reach into several sheets, and a single one has little for threads to share. Adds to
+    /// `footprints`.
+    int take(int sheet, int count, int end, const NeededTiles& needed, std::uint64_t& footprints);
+
     /// An extinction channel summed over all volumes, per world unit. If there is one volume, these are its own planes.
     const PlaneStack& total(int channel) const {
         return m_totals.empty() ? m_volumes.front().extinction() : m_totals[channel];
@@ -75,6 +81,7 @@ class ExtinctionSum {
     void addSums(const ViewScene& scene, const Plan& plan, const Lattice& lattice, int batchSheets, For who,
                  bool totals);
     void addUp(int plane, bool all, std::vector<PlaneStack>& totals);
+    void countFrom(int plane);
 
     const ExtinctionChannels& m_channels;
     std::vector<Volume> m_volumes;
@@ -87,6 +94,8 @@ class ExtinctionSum {
     std::vector<PlaneStack> m_totals;  // one for each channel; only if extinction is not that of a single volume
     std::uint64_t m_voxels = 0;
     bool m_texelsWanted = true;
+    int m_batchSheets;
+    int m_firstKept = 0, m_endKept = 0;  // the sheets that `take` has splatted
 };
 
 }  // namespace scrim

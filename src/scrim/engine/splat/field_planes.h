@@ -49,6 +49,10 @@ class FieldPlanes {
     int planeOf(int sheet) const { return (sheet - m_origin + m_settings.before) % planes().planes(); }
     /// Planes [0, count) are those of the batch if the settings ask for no sheets beside it.
     const PlaneStack& planes(std::size_t field = 0) const { return m_planes[field]; }
+    /// See PlaneStack::countFrom; 0 while a batch is splatted.
+    void countFrom(int first) {
+        for (PlaneStack& planes : m_planes) planes.countFrom(first);
+    }
 
     std::size_t bytes() const;
     /// Upper bound on the bytes, known beforehand; `placements`: the first field of each.

@@ -58,8 +58,10 @@ class PlaneStack {
     int channels() const { return m_channels; }
     int rowStride() const { return m_width * m_channels; }  ///< floats
     std::ptrdiff_t planeStride() const { return m_planeStride; }
-    Real* plane(int p) { return m_data.data() + p * m_planeStride; }
-    const Real* plane(int p) const { return m_data.data() + p * m_planeStride; }
+    /// Which of all planes is plane 0 from now on: a part of a batch counts its planes from there.
+    void countFrom(int first) { m_first = first; }
+    Real* plane(int p) { return m_data.data() + (m_first + p) * m_planeStride; }
+    const Real* plane(int p) const { return m_data.data() + (m_first + p) * m_planeStride; }
     /// The first float of a tile.
     Real* tile(int p, int tx, int ty) { return plane(p) + tileOffset(tx, ty); }
     const Real* tile(int p, int tx, int ty) const { return plane(p) + tileOffset(tx, ty); }
@@ -110,7 +112,8 @@ class PlaneStack {
     static constexpr std::uint8_t kClean = 0, kStale = 1, kActive = 2;
 
     std::size_t tileIndex(int p, int tx, int ty) const {
-        return (std::size_t(p) * std::size_t(tilesY()) + std::size_t(ty)) * std::size_t(tilesX()) + std::size_t(tx);
+        return (std::size_t(m_first + p) * std::size_t(tilesY()) + std::size_t(ty)) * std::size_t(tilesX()) +
+               std::size_t(tx);
     }
     std::ptrdiff_t tileOffset(int tx, int ty) const {
         return static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * kTileEdge * m_channels;
@@ -118,6 +121,7 @@ class PlaneStack {
     void clearTile(int p, int tx, int ty);
 
     int m_planes, m_width, m_height, m_channels;
+    int m_first = 0;
     std::ptrdiff_t m_planeStride;
     ZeroedArray<Real> m_data;
     std::vector<std::uint8_t> m_state;

@@ -50,6 +50,23 @@ TEST(PlaneStack, PlanesBeginOnVectorBoundaries) {
     for (int p = 0; p < 3; ++p) EXPECT_EQ(reinterpret_cast<std::uintptr_t>(planes.plane(p)) % 64, 0u);
 }
 
+TEST(PlaneStack, CountsFromAnyPlane) {
+    PlaneStack planes(3, kWidth, kHeight, 1);
+    for (int p = 0; p < 3; ++p) {
+        planes.begin(p);
+        planes.activate(p, p, 0);
+        fill(planes, p, p, 0, static_cast<float>(p + 1));
+        planes.finish(p);
+    }
+    planes.countFrom(1);
+    EXPECT_TRUE(planes.active(0, 1, 0));
+    EXPECT_FALSE(planes.active(0, 0, 0));
+    EXPECT_TRUE(holds(planes, 0, 1, 0, 2));
+    EXPECT_TRUE(holds(planes, 1, 2, 0, 3));
+    planes.countFrom(0);
+    EXPECT_TRUE(holds(planes, 0, 0, 0, 1));
+}
+
 TEST(PlaneStack, PlanesDoNotOverlapAndMayBeReadABitBehindTheirEnd) {
     PlaneStack planes(2, kWidth, kHeight, 1);
     EXPECT_GE(planes.planeStride(), kWidth * kHeight + 32);
