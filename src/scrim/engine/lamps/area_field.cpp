@@ -14,7 +14,7 @@ namespace {
 
 // Look-ups compute the light of a surface within so many cells and so many sheets from it. Beyond, cells show it as it
 // is, and the middle of a sheet is like the whole. In haze beside a square of two voxels, with sheets of 1.4
-// voxels, 2.8 and 5 of them left 1.3 and 0.7 %.
+// voxels, 2.8 and 5 of them left 1.3 and 0.4 %.
 constexpr double kCells = 8, kSheets = 5;
 // Spacings of sub-lights beyond which their sum is that of the surface.
 constexpr double kSpacings = 3;
@@ -121,21 +121,26 @@ void AreaField::addTo(const Vec3& ws, Real (&rgb)[3]) const {
 
 void AreaField::addTo(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3],
                       const Real* nearer) const {
+    constexpr int kParts = 4;
+    constexpr double kTurns = 2;
     LastBlocks last;
     for (int k = 0; k < kTileSize; ++k) {
         if (extinction[k] == 0) continue;
         const SheetPath path(plane, samples, k, extinction[k], nearer ? nearer[k] : Real(-1));
-        const double length = glm::length(path.ws);
-        if (m_shine.distance(path.wsMiddle) > m_near + 2 * m_lit.grid().edge() + 0.5 * length) continue;
+        const double length = glm::length(path.ws), away = m_shine.distance(path.wsMiddle);
+        if (away > m_near + 2 * m_lit.grid().edge() + 0.5 * length) continue;
         const Vec3 way = plane.towardsEye > 0 ? -path.ws : path.ws, begin = path.wsMiddle - 0.5 * way;
         const double tau = plane.towardsEye == 0 ? 0 : double(extinction[k]) * length;
+        // Close to the surface its light turns within a sheet, and with it what the eye sees of it: with g = 0.6, whole
+        // sheets left 3.5 and 11 % beside a square and a tube, and four parts leave 1.7 and 4.7 %.
+        const int parts = away < kTurns * length ? kParts : path.thick ? 2 : 1;
         Real found[3] = {0, 0, 0};
-        if (path.thick && tau > 0) {
-            addPieces(m_shine.along(begin, 0.5 * way, 0.5 * tau), 1 - double(path.farther), last, found);
-            addPieces(m_shine.along(path.wsMiddle, 0.5 * way, 0.5 * tau), double(path.farther), last, found);
-        } else {
-            addPieces(m_shine.along(begin, way, tau), 1, last, found);
-        }
+        double all = 0, seen = 1;
+        for (int i = 0; i < parts; ++i, seen *= std::exp(-tau / parts)) all += seen;
+        seen = 1;
+        for (int i = 0; i < parts; ++i, seen *= std::exp(-tau / parts))
+            addPieces(m_shine.along(begin + double(i) / parts * way, way / double(parts), tau / parts), seen / all,
+                      last, found);
         for (int c = 0; c < 3; ++c) rgb[c][k] += found[c];
     }
 }
