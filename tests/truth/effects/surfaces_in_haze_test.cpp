@@ -20,6 +20,8 @@ ViewScene haze(const Light& light, const Medium& medium) {
     ViewScene scene = orthographicScene(boxField(Int3(-12), Int3(12)), medium, 18, 48);
     scene.dials.texel = 1;
     scene.dials.sheetThickness = 1.5;
+    scene.dials.lightCell = 1;
+    scene.dials.lightError = 0.02;
     scene.lights = {light};
     return scene;
 }
@@ -40,23 +42,26 @@ Light shape(AreaShape shape, double width, double radius) {
     return light;
 }
 
-double errorNear(const Light& light, const Medium& medium = thin()) {
-    return errorOf(haze(light, medium), 60);
+double errorNear(const Light& light, const Medium& medium = thin(), double cell = 1) {
+    ViewScene scene = haze(light, medium);
+    scene.dials.lightCell = cell;
+    return errorOf(scene, 60);
 }
 
-// With what cells keep of their sub-lights: 90, 25, 40 and 45 %.
+// With what cells keep of their sub-lights: 7.4, 11, 4.8 and 12 %; 5.0 % at a border, and 17 % beside a solid.
 TEST(SurfacesInHaze, AreAsBruteForceFindsThem) {
-    EXPECT_LT(errorNear(shape(AreaShape::rectangle, 1.6, 0)), 0.03);
+    EXPECT_LT(errorNear(shape(AreaShape::rectangle, 1.6, 0)), 0.04);
     EXPECT_LT(errorNear(shape(AreaShape::rectangle, 5, 0)), 0.03);
     EXPECT_LT(errorNear(shape(AreaShape::disk, 0, 1.5)), 0.03);
     EXPECT_LT(errorNear(shape(AreaShape::cylinder, 9, 0.3)), 0.03);
 }
 
+// Cells of a voxel, larger than the surface or its distance, do not resolve the direction of its light: 12 and 14 %.
 TEST(SurfacesInHaze, ThatScattersForwardsAreAsBruteForceFindsThem) {
     Medium medium = thin();
     medium.phase.g = 0.6;
-    EXPECT_LT(errorNear(shape(AreaShape::rectangle, 4, 0), medium), 0.05);
-    EXPECT_LT(errorNear(shape(AreaShape::cylinder, 9, 0.3), medium), 0.05);
+    EXPECT_LT(errorNear(shape(AreaShape::rectangle, 4, 0), medium, 0.25), 0.05);
+    EXPECT_LT(errorNear(shape(AreaShape::cylinder, 9, 0.3), medium, 0.25), 0.05);
 }
 
 // A plate hides a half of the light from a part of the haze.
