@@ -196,18 +196,24 @@ LightRay LightRays::fromDisk(const Vec3& ws, const Vec2& square) const {
     return {direction, height / cosAt, m_light.intensity * (aslant * perSquare * (near - far))};
 }
 
-// A point of the half of its surface that faces `ws`.
+// By the solid angle: an angle across the axis, and the sine of that to the plane across it, which lies between those
+// to the ends. Points that are spread over the surface would leave out what is next to `ws`, where most of its light
+// comes from.
 LightRay LightRays::fromCylinder(const Vec3& ws, const Vec2& square) const {
     const Light::Area& area = *m_light.area();
     const Vec3 from = ws - m_light.wsPosition;
-    const double y = glm::dot(from, m_frame[1]), z = glm::dot(from, m_frame[2]), c = std::hypot(y, z);
+    const double x = glm::dot(from, m_frame[0]), y = glm::dot(from, m_frame[1]), z = glm::dot(from, m_frame[2]),
+                 c = std::hypot(y, z);
     if (c <= area.radius) return {};
-    const double half = std::acos(area.radius / c), turn = std::atan2(z, y) + half * (2 * square.y - 1);
-    const Vec3 normal = std::cos(turn) * m_frame[1] + std::sin(turn) * m_frame[2];
-    const Vec3 hit = area.radius * normal + (square.x - 0.5) * area.width * m_frame[0] - from;
-    const double distance = glm::length(hit), facing = std::max(-glm::dot(hit, normal) / distance, 0.0);
-    const double surface = 2 * half * area.radius * area.width;
-    return {hit / distance, distance, m_light.intensity * (surface * facing / (distance * distance))};
+    const double most = std::asin(area.radius / c), turn = most * (2 * square.y - 1), aside = c * std::sin(turn);
+    const double across =
+        std::max(c * std::cos(turn) - std::sqrt(std::max(area.radius * area.radius - aside * aside, 0.0)), 1e-12 * c);
+    const auto sineTo = [&](double end) { return (end - x) / std::hypot(end - x, across); };
+    const double first = sineTo(-0.5 * area.width), last = sineTo(0.5 * area.width),
+                 sine = first + square.x * (last - first), cosine = std::sqrt(std::max(1 - sine * sine, 1e-24));
+    const Vec3 inwards = -(y * m_frame[1] + z * m_frame[2]) / c, beside = glm::cross(m_frame[0], inwards);
+    const Vec3 direction = sine * m_frame[0] + cosine * (std::cos(turn) * inwards + std::sin(turn) * beside);
+    return {direction, across / cosine, m_light.intensity * (2 * most * (last - first))};
 }
 
 LightRay LightRays::fromSphere(const Vec3& ws, const Vec2& square) const {

@@ -151,16 +151,47 @@ double evenAngle(const Light& lamp, const Vec3& ws) {
 
 }  // namespace
 
-// Near a lamp its light changes over the distance to it, and at the surface of a sphere it begins. The border of a
-// spot's cone, and a luminaire's profile, are directions that it sees.
+namespace {
+
+// What the steps of a ray that meets an area light at a distance from it are to be small beside; none: a mesh.
+struct NearArea {
+    double distance = 0, size = 0;
+};
+std::optional<NearArea> nearArea(const Light& light, const Vec3& ws) {
+    const Light::Area& area = *light.area();
+    const Vec3 p = (ws - light.wsPosition) * lightFrame(light);  // right, up, normal
+    const auto beyond = [](double x, double most) { return std::max(std::abs(x) - most, 0.0); };
+    const double halfWidth = 0.5 * area.width, halfHeight = 0.5 * area.height;
+    switch (area.shape) {
+        case AreaShape::sphere:
+            return NearArea{std::abs(glm::length(p) - area.radius), area.radius};
+        case AreaShape::disk:
+            return NearArea{std::hypot(beyond(std::hypot(p.x, p.y), area.radius), p.z), area.radius};
+        case AreaShape::cylinder:
+            return NearArea{std::hypot(beyond(p.x, halfWidth), std::hypot(p.y, p.z) - area.radius), area.radius};
+        case AreaShape::rectangle:
+            return NearArea{std::hypot(std::hypot(beyond(p.x, halfWidth), beyond(p.y, halfHeight)), p.z),
+                            std::min(area.width, area.height)};
+        case AreaShape::mesh:
+            break;
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+// Near a lamp its light changes over the distance to it, and at a surface it begins. The border of a spot's cone, and a
+// luminaire's profile, are directions that it sees.
 double Reference::lampStep(const Vec3& ws, double step) const {
-    constexpr double kLeast = 0.02;
+    constexpr double kLeast = 0.02, kLeastAtArea = 0.005;
     for (const Light& light : m_scene.lights) {
-        const Light::Area* area = light.area();
-        if (light.distant() || light.dome() || (area && area->shape != AreaShape::sphere)) continue;
-        const double size = area ? area->radius : 0.1 * m_voxel;
-        const double distance = std::abs(glm::distance(ws, light.wsPosition) - (area ? size : 0));
-        step = std::min(step, std::max(evenAngle(light, ws) * distance, kLeast * size));
+        if (light.distant() || light.dome()) continue;
+        const std::optional<NearArea> near =
+            light.area() ? nearArea(light, ws) : NearArea{glm::distance(ws, light.wsPosition), 0.1 * m_voxel};
+        if (!near) continue;
+        const bool plain = !light.area() || light.area()->shape == AreaShape::sphere;
+        step = std::min(step,
+                        std::max(evenAngle(light, ws) * near->distance, (plain ? kLeast : kLeastAtArea) * near->size));
     }
     return step;
 }

@@ -85,6 +85,15 @@ TEST(LightRays, AddUpToTheSurfaceFromAnywhereWithAnyWeight) {
         }
 }
 
+// Rays of a cylinder are spread over what it fills of the sky: few of them find that right next to it, too. Its ends
+// are far away there, so that it fills 2 asin(radius / distance) times 2.
+TEST(LightRays, FillTheSolidAngleOfALongCylinder) {
+    for (const double distance : {0.301, 0.4, 1.0}) {
+        const double solid = 4 * std::asin(0.3 / distance);
+        EXPECT_NEAR(solidAngle(areaLight(AreaShape::cylinder, 400, 0, 0.3), {3, 0, -distance}, 6), solid, 1e-3 * solid);
+    }
+}
+
 TEST(LightRays, EndOnTheLight) {
     const Vec3 ws(0.7, -0.4, -3);
     for (int i = 0; i < 100; ++i) {

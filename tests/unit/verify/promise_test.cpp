@@ -484,9 +484,10 @@ TEST(PromisedDials, SayThatALampInOpaqueVoxelsIsNotExact) {
 }
 
 TEST(PromisedDials, SayThatASurfaceInHazeInThePictureIsNotExact) {
-    const auto expected = [](AreaShape shape, double size, const Vec3& place) {
+    const auto expected = [](AreaShape shape, double size, const Vec3& place, bool shadows = false, double g = 0) {
         ViewScene scene = smoke(12, 0.02, 24);
         scene.dials = *presetDials("standard");
+        scene.volumes[0].medium.phase.g = g;
         Light light;
         Light::Area area;
         area.shape = shape;
@@ -494,6 +495,7 @@ TEST(PromisedDials, SayThatASurfaceInHazeInThePictureIsNotExact) {
         area.radius = 0.5 * size;
         light.kind = area;
         light.wsPosition = place;
+        light.shadows = shadows;
         scene.lights = {light};
         double most = 0;
         for (const auto& [error, why] : promisedDials(scene, "standard").beyond)
@@ -503,6 +505,8 @@ TEST(PromisedDials, SayThatASurfaceInHazeInThePictureIsNotExact) {
     const Vec3 within(1, 2, 0);
     EXPECT_NEAR(expected(AreaShape::rectangle, 4, within), 0.3, 1e-9);
     EXPECT_NEAR(expected(AreaShape::rectangle, 8, within), 0.15, 1e-9);
+    EXPECT_EQ(expected(AreaShape::rectangle, 4, within, true), 0);  // cells keep it as they should
+    EXPECT_NEAR(expected(AreaShape::rectangle, 4, within, true, 0.6), 0.04, 1e-9);
     EXPECT_EQ(expected(AreaShape::sphere, 4, within), 0);            // it has a closed form
     EXPECT_EQ(expected(AreaShape::rectangle, 4, {1, 200, 0}), 0);    // outside of the picture
     EXPECT_EQ(expected(AreaShape::rectangle, 4, {0, 0, -2000}), 0);  // nothing around it shows its light

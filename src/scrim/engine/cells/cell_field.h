@@ -30,6 +30,7 @@ class CellField {
     std::size_t colours() const { return m_colours; }
     /// The values of block `b`: `colours` for each of its kPaddedCells cells, x fastest.
     Real* block(std::size_t b) { return m_values.data() + b * kPaddedCells * m_colours; }
+    const Real* block(std::size_t b) const { return m_values.data() + b * kPaddedCells * m_colours; }
     /// The values of a stored cell, in its own block.
     Real* cell(std::size_t index);
     /// Calls visit(place, values) once for each cell of all blocks, and for those around a block that no other block

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/engine/cells/cell_field.h>
+#include <scrim/engine/lamps/area_field.h>
 #include <scrim/engine/lamps/lamp_field.h>
 #include <scrim/engine/model/plan.h>
 
@@ -15,7 +16,8 @@ namespace scrim {
 /// What one volume shows of some lights, as CellField has light: the sum of its parts.
 struct VolumeLight {
     std::shared_ptr<const CellField> field;  ///< null: there is none
-    std::vector<std::shared_ptr<const LampField>> lamps;
+    std::vector<std::shared_ptr<const LampField>> lamps = {};
+    std::vector<std::shared_ptr<const AreaField>> areas = {};  ///< what `field` does not have of lights close by
 
     /// The light at a point.
     void sample(const Vec3& ws, Real (&rgb)[3]) const;

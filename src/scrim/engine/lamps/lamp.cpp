@@ -22,15 +22,21 @@ double nearestFar(const Light& lamp, double edge) {
     return 12 * edge + 3 * radiusOfSphere(lamp);
 }
 
-std::shared_ptr<const CellGrid> cellsNear(const Light& lamp, const CellGrid& all, const Vec3& wsCorner) {
-    const double reach = nearestFar(lamp, all.edge()) + all.edge(), half = 0.5 * kCellEdge * all.edge();
+CellGrid blocksOf(const CellGrid& all, const Vec3& wsCorner, const std::function<bool(const Vec3&)>& wants) {
     std::vector<Bounds> boxes;
     for (const Int3& block : all.storedBlocks()) {
         const Vec3 center = all.wsFromCs(Vec3(block * kCellEdge) + 0.5 * kCellEdge);
-        const Vec3 beside = glm::max(glm::abs(lamp.wsPosition - center) - half, Vec3(0));
-        if (glm::dot(beside, beside) <= reach * reach) boxes.push_back({center - all.edge(), center + all.edge()});
+        if (wants(center)) boxes.push_back({center - all.edge(), center + all.edge()});
     }
-    return std::make_shared<const CellGrid>(all.edge(), boxes, wsCorner);
+    return CellGrid(all.edge(), boxes, wsCorner);
+}
+
+std::shared_ptr<const CellGrid> cellsNear(const Light& lamp, const CellGrid& all, const Vec3& wsCorner) {
+    const double reach = nearestFar(lamp, all.edge()) + all.edge(), half = 0.5 * kCellEdge * all.edge();
+    return std::make_shared<const CellGrid>(blocksOf(all, wsCorner, [&](const Vec3& wsCenter) {
+        const Vec3 beside = glm::max(glm::abs(lamp.wsPosition - wsCenter) - half, Vec3(0));
+        return glm::dot(beside, beside) <= reach * reach;
+    }));
 }
 
 double wayFrom(const Light& lamp, double r) {

@@ -5,6 +5,7 @@
 #include <scrim/engine/cells/cell_walk.h>
 #include <scrim/scene/light.h>
 
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -27,7 +28,9 @@ bool hollowOnCells(const Light& lamp, double edge);
 /// The distance from a lamp from which on cells that many lamps share keep all of its light, world units.
 double nearestFar(const Light& lamp, double edge);
 
-/// The blocks of `all` in which such a lamp has cells of its own, one of which has a corner at `wsCorner`.
+/// The blocks of `all` that are wanted, by their centres; a cell has a corner at `wsCorner`.
+CellGrid blocksOf(const CellGrid& all, const Vec3& wsCorner, const std::function<bool(const Vec3& wsCenter)>& wants);
+/// The blocks of `all` in which such a lamp has cells of its own.
 std::shared_ptr<const CellGrid> cellsNear(const Light& lamp, const CellGrid& all, const Vec3& wsCorner);
 
 /// The way of light from a lamp to a place at distance r of its centre: of a sphere the mean over the solid angle that

@@ -149,7 +149,7 @@ struct CellLightPlan {
     std::vector<int> lights;        ///< indices into ViewScene::lights
     std::vector<CellLevel> levels;  ///< as cellLevels() orders them
     std::size_t bytes = 0;          ///< approximately
-    std::string lamp;               ///< name of the first of them that shines from one point
+    std::string lamp;               ///< name of the first of them whose place shows: a lamp, or a surface among volumes
     std::string unfit;              ///< the reason why no light can be kept on cells; empty: there is none
 
     bool has(std::size_t light) const;

@@ -74,6 +74,8 @@ class BlockColumns {
     std::vector<std::uint32_t> m_first, m_blocks;
 };
 
+constexpr auto kAllBlocks = [](const Vec3&) { return true; };
+
 void append(std::span<const CellSpan> some, std::vector<CellSpan>& spans) {
     spans.insert(spans.end(), some.begin(), some.end());
 }
@@ -413,13 +415,12 @@ void CellSlices::sharpen(std::size_t count, bool steep) {
 }
 
 void CellSlices::addTo(std::size_t first, std::size_t count, std::size_t to, CellField& field) const {
-    const auto all = [](const Vec3&) { return true; };
     visitCells(
         field,
         [&](const Int3&, std::size_t from, Real* out) {
             for (std::size_t c = 0; c < count; ++c) out[to + c] += m_sums[first + c][from];
         },
-        all);
+        kAllBlocks);
 }
 
 void CellSlices::markBlocks(Real least, std::vector<bool>& marked) const {
@@ -458,6 +459,35 @@ void CellSlices::addFarLight(const LampField& lamp, std::size_t knot, int colour
                 if (colour < 0 || colour == c) out[c] += static_cast<Real>(light[c]);
     };
     visitCells(far, add, lit);
+}
+
+void CellSlices::addNearLight(std::size_t count, std::size_t to, AreaField& area) const {
+    const CellGrid& grid = area.lit().grid();
+    const auto add = [&](const Int3& at, std::size_t from, Real* out) {
+        const auto share = static_cast<Real>(area.nearShare(grid.wsFromCs(Vec3(at) - 0.5)));
+        for (std::size_t c = 0; c < count; ++c) out[to + c] += share * m_sums[c][from];
+    };
+    visitCells(area.lit(), add, kAllBlocks);
+}
+
+void CellSlices::addOpen(AreaField& area) const {
+    const CellGrid& grid = area.open().grid();
+    const auto add = [&](const Int3& at, std::size_t, Real* out) {
+        *out = static_cast<Real>(area.evenLight(grid.wsFromCs(Vec3(at) - 0.5)));
+    };
+    visitCells(area.open(), add, kAllBlocks);
+}
+
+void CellSlices::addFarLight(std::size_t count, std::size_t to, const AreaField& area, CellField& far) const {
+    const std::vector<const Real*> shares = area.farShares(far.grid());
+    const Real* begin = far.block(0);
+    const auto add = [&](const Int3&, std::size_t from, Real* out) {
+        const auto cell = static_cast<std::size_t>(out - begin) / far.colours();
+        const Real* own = shares[cell / kPaddedCells];
+        const Real share = own ? own[cell % kPaddedCells] : Real(1);
+        for (std::size_t c = 0; c < count; ++c) out[to + c] += share * m_sums[c][from];
+    };
+    visitCells(far, add, kAllBlocks);
 }
 
 std::size_t CellSlices::bytes() const {

@@ -179,8 +179,10 @@ class Pass {
                 pass(suns[down ? 1 : 0], true);
                 pass(points, false);
             }
+            AreaField* area = job.areas.empty() ? nullptr : job.areas[std::size_t(sources.owners[begin])].get();
+            if (area) slices.addNearLight(colours, to, *area);
             if (!lamp && sources.attenuated) slices.sharpen(sums, job.surface >= 0);
-            slices.addTo(0, colours, to, field);
+            area ? slices.addFarLight(colours, to, *area, field) : slices.addTo(0, colours, to, field);
             if (job.mirrored) slices.addTo(colours, colours, to, *job.mirrored);
         }
         slices.restore(before);
@@ -314,8 +316,17 @@ std::vector<bool> blocksSeen(const ViewScene& scene, const CellGrid& grid, const
     return seen;
 }
 
-// Fills what solids let through of the lamps' light.
+// Fills what area lights would show close to them if nothing held it back. Slices along any axis serve.
+void passOpenAreas(const std::vector<LightJob>& jobs, const CellSlices& slices) {
+    std::set<const AreaField*> opened;  // octaves share them
+    for (const LightJob& job : jobs)
+        for (const auto& area : job.areas)
+            if (area && opened.insert(area.get()).second) slices.addOpen(*area);
+}
+
+// Fills what solids let through of the lamps' light; once, what area lights have.
 void passOpen(const std::vector<LightJob>& jobs, Pass& pass, CellSlices& slices) {
+    if (slices.axes[2] == 0) passOpenAreas(jobs, slices);
     std::set<const CellField*> opened;  // octaves of a lamp share it
     for (const LightJob& job : jobs) {
         if (!job.open || !opened.insert(job.open.get()).second) continue;

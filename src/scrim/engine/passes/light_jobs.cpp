@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -85,7 +86,7 @@ class Jobs {
         if (sources.lights.empty()) return;
         const auto kept = [&](CellLight& light) {
             const auto field = std::make_shared<CellField>(cells, static_cast<int>(sources.colours), sources.tint);
-            light.ofVolume[v] = std::make_shared<const VolumeLight>(VolumeLight{field, {}});
+            light.ofVolume[v] = std::make_shared<const VolumeLight>(VolumeLight{field});
             return field;
         };
         LightJob job{lit.front(), sources, {}, kept(diffuse)};
@@ -125,10 +126,31 @@ class Jobs {
         if (sources.lights.empty()) return;
         const auto field = std::make_shared<CellField>(m_grid, static_cast<int>(sources.colours), sources.tint);
         shown.field = field;
+        const std::vector<std::shared_ptr<AreaField>> areas = areasOf(sources);
+        for (const auto& area : areas)
+            if (area) shown.areas.push_back(area);
         for (const Octave& octave : octaves) {
             LightJob& job = jobs.emplace_back(LightJob{lit.front(), sources, octave, field});
             job.wide = widePhases(m_scene, sources, octave.phase);
+            job.areas = areas;
         }
+    }
+    // For each light of the sources a field of what is close to it, if AreaShine serves it.
+    std::vector<std::shared_ptr<AreaField>> areasOf(const Sources& sources) const {
+        std::vector<std::shared_ptr<AreaField>> areas(sources.ofScene.size());
+        const Vec3 corner = cornerOfVoxels(m_scene, m_grid->edge());
+        const double sheet = m_scene.dials.sheetThickness * voxelUnit(m_scene);
+        for (std::size_t owner = 0; owner < areas.size(); ++owner) {
+            const Light& light = m_scene.lights[std::size_t(sources.ofScene[owner])];
+            const auto [first, end] = std::ranges::equal_range(sources.owners, static_cast<int>(owner));
+            if (!AreaShine::serves(light) || first == end) continue;
+            const std::span elements(sources.lights.begin() + (first - sources.owners.begin()),
+                                     std::size_t(end - first));
+            auto area =
+                std::make_shared<AreaField>(light, elements, *m_grid, corner, sheet, sources.colours, sources.tint);
+            if (area->any()) areas[owner] = std::move(area);
+        }
+        return areas;
     }
     // Lamps have fields of their own; if they share cells, these are small, and a field of all keeps the rest.
     void addLamps(const std::vector<int>& lit, const std::vector<Octave>& octaves, VolumeLight& shown,
@@ -221,11 +243,14 @@ std::vector<LightJob> lightJobs(const LevelScene& level, const std::vector<int>&
 
 std::size_t bytesOf(const std::vector<LightJob>& jobs) {
     std::set<const CellField*> fields;
+    std::set<const AreaField*> areas;  // octaves share them
     std::size_t bytes = 0;
     for (const LightJob& job : jobs) {
         for (const CellField* field : {job.field.get(), job.open.get(), job.mirrored.get()})
             if (field && fields.insert(field).second) bytes += field->bytes();
         if (job.lamp && job.knot == 0) bytes += job.lamp->bytes();
+        for (const auto& area : job.areas)
+            if (area && areas.insert(area.get()).second) bytes += area->bytes();
     }
     return bytes;
 }

@@ -43,6 +43,8 @@ struct LightJob {
     std::vector<WidePhase> wide = {};           ///< for each light of `sources`; empty: of a lamp, or of surfaces
     int surface = -1;                           ///< the classified volume that reflects the light; -1: media scatter it
     std::shared_ptr<CellField> mirrored = {};   ///< its highlights, if it has any; `field` has its diffuse part
+    /// For each light of `sources` what keeps it where it is close to the cells; null: it is not, or `field` does.
+    std::vector<std::shared_ptr<AreaField>> areas = {};
 };
 
 /// The jobs of these lights for those octaves and, with cells of the usual size, for surfaces. The fields become those

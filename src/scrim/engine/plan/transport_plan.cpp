@@ -5,6 +5,7 @@
 #include <scrim/scene/picture_cells.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
+#include <scrim/engine/lamps/area_shine.h>
 #include <scrim/engine/lamps/lamp.h>
 #include <scrim/engine/light/backdrop.h>
 #include <scrim/engine/cells/cell_levels.h>
@@ -343,6 +344,15 @@ void growCells(const ViewScene& scene, CellLightPlan& plan, std::vector<double>&
 
 }  // namespace
 
+namespace {
+
+// True if look-ups show a light's place: a lamp, or a surface among the volumes.
+bool isSharpOnCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
+    return isLampOnCells(scene, light) || (AreaShine::serves(light) && isAmong(light, wsCorners));
+}
+
+}  // namespace
+
 CellLightPlan planCellLights(const ViewScene& scene) {
     CellLightPlan plan;
     const std::vector<Vec3> corners = wsCorners(scene);
@@ -356,7 +366,7 @@ CellLightPlan planCellLights(const ViewScene& scene) {
         if (inView.empty()) inView = lightsInView(scene);
         if (!inView[i]) continue;
         plan.lights.push_back(static_cast<int>(i));
-        if (plan.lamp.empty() && isLampOnCells(scene, light)) plan.lamp = light.name;
+        if (plan.lamp.empty() && isSharpOnCells(scene, light, corners)) plan.lamp = light.name;
     }
     if (plan.lights.empty()) return plan;
     const auto edgesFor = [&](const ViewScene& own) {

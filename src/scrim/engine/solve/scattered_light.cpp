@@ -112,7 +112,7 @@ std::vector<CellLight> ScatteredLight::lights() const {
                 auto& own = known[{domain[v], cls[v]}];
                 if (!own)
                     own = std::make_shared<const VolumeLight>(
-                        VolumeLight{fieldsOf(m_domains[domain[v]])[t * m_classes.size() + cls[v]], {}});
+                        VolumeLight{fieldsOf(m_domains[domain[v]])[t * m_classes.size() + cls[v]]});
                 light.ofVolume.back() = own;
             }
         };

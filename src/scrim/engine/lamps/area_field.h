@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// The light of one rectangle, disk or cylinder on cells close to it. There its light rises faster than cells can show,
+// and its sub-lights show as blobs. But what arrives at a cell, relative to what would if nothing held the same
+// sub-lights back, changes slowly: a mean of transmittance and phase function. So that is what cells keep, as two sums
+// whose singularities cancel, and look-ups multiply it by the mean over the eye's path of the solid angle that the
+// surface fills (AreaShine). Farther away the field of all lights keeps the rest, with as much light as the surface has
+// and not its sub-lights.
+#pragma once
+
+#include <scrim/engine/cells/cell_field.h>
+#include <scrim/engine/lamps/area_shine.h>
+#include <scrim/geometry/bounds.h>
+#include <scrim/scene/light.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace scrim {
+
+class AreaField {
+  public:
+    /// `light`: one that AreaShine serves. `elements`: its sub-lights, alike in area. `all`: the cells of all of its
+    /// light, one of which has a corner at `wsCorner`. `sheet`: how thick sheets are, world units. `colours`, `tint`:
+    /// as those of its light's field.
+    AreaField(const Light& light, std::span<const Light> elements, const CellGrid& all, const Vec3& wsCorner,
+              double sheet, std::size_t colours, const Rgb& tint);
+    /// True if it has cells: the light is close to those of `all`.
+    bool any() const { return !m_lit.grid().storedBlocks().empty(); }
+
+    /// The sums over sub-lights of what arrives at a cell of what the eye sees of it, times nearShare; they are to be
+    /// added here.
+    CellField& lit() { return m_lit; }
+    /// What the same sub-lights would show, evenly, at those cells if nothing held their light back, for a radiance of
+    /// 1: evenLight where light is wanted.
+    CellField& open() { return m_open; }
+    double evenLight(const Vec3& ws) const;
+    /// The part of light that this field keeps, of that of a cell at `ws`.
+    double nearShare(const Vec3& ws) const;
+    /// Factors for light that the field of all keeps, at the padded cells of each block of `grid`, which has the same
+    /// cells as `all`: what nearShare leaves, times that by which the surface shines brighter than its sub-lights.
+    /// null: 1. To be called after the constructor alone.
+    std::vector<const Real*> farShares(const CellGrid& grid) const;
+
+    /// True if the field has light in the box.
+    bool reaches(const Bounds& ws) const;
+    /// Adds the light at a point.
+    void addTo(const Vec3& ws, Real (&rgb)[3]) const;
+    /// Adds the light at a tile of samples, as CellField::lookUp.
+    void addTo(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3],
+               const Real* nearer) const;
+
+    std::size_t bytes() const { return m_lit.bytes() + m_open.bytes() + m_far.bytes(); }
+
+  private:
+    struct LastBlocks {
+        CellField::LastBlock lit, open;
+    };
+    double farShare(const Vec3& ws) const;
+    void addPieces(const AreaShine::Pieces& pieces, double share, LastBlocks& last, Real (&rgb)[3]) const;
+
+    AreaShine m_shine;
+    std::vector<std::array<Real, 3>> m_at, m_normal;  // of its sub-lights, relative to the light's place
+    Vec3 m_center;
+    double m_area;         // of a sub-light, world units squared
+    double m_near, m_mid;  // world units from the surface: how far nearShare, and sub-lights that differ, reach
+    CellField m_lit, m_open, m_far;
+};
+
+}  // namespace scrim

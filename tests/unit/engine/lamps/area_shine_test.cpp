@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// The solid angle of surfaces that shine, beside sums over their elements, and its mean over paths, beside sums over
+// many points of these.
+#include <scrim/engine/lamps/area_shine.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Light areaOf(AreaShape shape, double width, double height, double radius) {
+    Light light;
+    Light::Area area;
+    area.shape = shape;
+    area.width = width;
+    area.height = height;
+    area.radius = radius;
+    light.kind = area;
+    light.wsPosition = {0.4, -1.3, 2.1};
+    light.wsDirection = glm::normalize(Vec3(0.3, -0.8, 0.5));
+    return light;
+}
+
+std::vector<Light> lights() {
+    return {areaOf(AreaShape::rectangle, 3, 0.7, 0), areaOf(AreaShape::disk, 0, 0, 1.2),
+            areaOf(AreaShape::cylinder, 4, 0, 0.3), areaOf(AreaShape::cylinder, 0.8, 0, 1.5)};
+}
+
+// The sum over n x n elements of area times the cosine over the squared distance.
+double sumOfElements(const Light& light, const Vec3& ws, int n) {
+    const Light::Area& area = *light.area();
+    const Mat3 frame = lightFrame(light);
+    double sum = 0;
+    for (int i = 0; i < n * n; ++i) {
+        const double u = (i % n + 0.5) / n, v = (i / n + 0.5) / n, turn = 2 * kPi * v;
+        Vec3 at((u - 0.5) * area.width, (v - 0.5) * area.height, 0), normal(0, 0, 1);
+        if (area.shape == AreaShape::disk) at = area.radius * std::sqrt(u) * Vec3(std::cos(turn), std::sin(turn), 0);
+        if (area.shape == AreaShape::cylinder) {
+            normal = {0, std::cos(turn), std::sin(turn)};
+            at = area.radius * normal + Vec3((u - 0.5) * area.width, 0, 0);
+        }
+        const Vec3 way = ws - (light.wsPosition + frame * at);
+        sum += std::max(glm::dot(way, frame * normal), 0.0) / std::pow(glm::length(way), 3);
+    }
+    return sum * area.area() / (n * n);
+}
+
+class Draw {
+  public:
+    double in(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(m_engine); }
+    Vec3 around(double half) { return {in(-half, half), in(-half, half), in(-half, half)}; }
+
+  private:
+    std::mt19937 m_engine{7};
+};
+
+// Elements of a size e sum up to their surface at a distance d to about (e / d)^2.
+TEST(AreaShine, IsTheSumOfElements) {
+    constexpr int kElements = 500;
+    Draw draw;
+    for (const Light& light : lights()) {
+        const AreaShine shine(light);
+        for (int n = 0; n < 40; ++n) {
+            const Vec3 ws = light.wsPosition + draw.around(3);
+            if (shine.distance(ws) < 0.1) continue;
+            const double expected = sumOfElements(light, ws, kElements);
+            EXPECT_NEAR(shine.at(ws), expected, 2e-3 * expected + 1e-5)
+                << int(light.area()->shape) << ", " << shine.distance(ws);
+        }
+    }
+}
+
+TEST(AreaShine, FillsAHalfOfAllDirectionsAtItsSurfaceAndNoneBehind) {
+    for (const Light& light : lights()) {
+        const AreaShine shine(light);
+        const Mat3 frame = lightFrame(light);
+        const bool round = light.area()->shape == AreaShape::cylinder;
+        const Vec3 normal = round ? frame[1] : frame[2],
+                   surface = light.wsPosition + light.area()->radius * (round ? normal : Vec3(0));
+        // A cylinder fills 4 asin(R / r), which is 4 sqrt(2e-6 / R) less.
+        EXPECT_NEAR(shine.at(surface + 1e-6 * normal), 2 * kPi, 0.011);
+        EXPECT_EQ(shine.at(surface - 1e-6 * normal), 0);
+    }
+}
+
+TEST(AreaShine, ServesWhatShinesEvenly) {
+    Light light = areaOf(AreaShape::disk, 0, 0, 1);
+    EXPECT_TRUE(AreaShine::serves(light));
+    light.slide.emplace();
+    EXPECT_FALSE(AreaShine::serves(light));
+    light = areaOf(AreaShape::rectangle, 1, 1, 0);
+    std::get<Light::Area>(light.kind).spread = 120;
+    EXPECT_FALSE(AreaShine::serves(light));
+    EXPECT_FALSE(AreaShine::serves(areaOf(AreaShape::sphere, 0, 0, 1)));
+    EXPECT_FALSE(AreaShine::serves(areaOf(AreaShape::mesh, 0, 0, 1)));
+}
+
+// Paths towards surfaces and past them, from a tenth of their size up to it. Those that graze a rim, where light is a
+// step, have the most of the error: a few per cent of what paths have on average, and no bias.
+TEST(AreaShine, HasItsMeanOverPaths) {
+    constexpr int kPaths = 300, kPoints = 10'000;
+    Draw draw;
+    for (const Light& light : lights()) {
+        const AreaShine shine(light);
+        double squares = 0, all = 0, sum = 0;
+        for (int n = 0; n < kPaths; ++n) {
+            const double length = std::pow(10, draw.in(-1, 0.2)), tau = draw.in(0, 1);
+            const Vec3 way = length * glm::normalize(draw.around(1)),
+                       begin = light.wsPosition + draw.around(2) - draw.in(0, 1) * way;
+            double mean = 0, seen = 0, found = 0;
+            for (int i = 0; i < kPoints; ++i) {
+                const double s = (i + 0.5) / kPoints, weight = std::exp(-tau * s);
+                mean += weight * shine.at(begin + s * way);
+                seen += weight;
+            }
+            mean /= seen;
+            for (const AreaShine::Piece& piece : shine.along(begin, way, tau).used()) found += piece.solidAngle;
+            squares += std::pow(found - mean, 2);
+            all += mean;
+            sum += found;
+        }
+        EXPECT_LT(std::sqrt(squares / kPaths), 0.04 * all / kPaths) << int(light.area()->shape);
+        EXPECT_NEAR(sum, all, 0.004 * all) << int(light.area()->shape);
+    }
+}
+
+// The places of pieces are those about which light that changes evenly is to be looked up.
+TEST(AreaShine, HasTheMiddleOfItsLightOnPaths) {
+    constexpr int kPoints = 20'000;
+    Draw draw;
+    for (const Light& light : lights()) {
+        const AreaShine shine(light);
+        for (int n = 0; n < 100; ++n) {
+            const double length = std::pow(10, draw.in(-1, 0.5));
+            const Vec3 way = length * glm::normalize(draw.around(1)),
+                       begin = light.wsPosition + draw.around(2) - draw.in(0, 1) * way;
+            double sum = 0, places = 0, found = 0;
+            for (int i = 0; i < kPoints; ++i) {
+                const double s = (i + 0.5) / kPoints, own = shine.at(begin + s * way) / kPoints;
+                sum += own, places += own * s;
+            }
+            for (const AreaShine::Piece& piece : shine.along(begin, way, 0).used())
+                found += piece.solidAngle * glm::dot(piece.ws - begin, way) / (length * length);
+            EXPECT_NEAR(found, places, 0.03 * sum + 1e-3) << int(light.area()->shape) << ", " << length;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace scrim::test
