@@ -370,12 +370,12 @@ struct Coarser {
 
 // The scenes with coarser fields whose error is at most `most`, from fine to coarse.
 std::vector<Coarser> coarserWithin(const std::function<ViewScene(double)>& atLod, const ViewScene& fine, double most) {
-    constexpr double kFirst = 0.25, kStep = 1.41421356, kLast = 8;
+    constexpr double kFinest = 1.0 / 16, kFirst = 0.25, kStep = 1.41421356, kLast = 8;
     constexpr int kCoarserRays = 192;
     const CoarserPilot pilot(fine, kCoarserRays);
     auto voxels = voxelsOf(fine);
     std::vector<Coarser> all;
-    for (double exact = kFirst; exact <= kLast; exact *= kStep) {
+    for (double exact = kFinest; exact <= kLast; exact *= exact < kFirst ? 2 : kStep) {
         const double lod = std::round(100 * exact) / 100;  // easy to read and to type again
         ViewScene tried;
         try {

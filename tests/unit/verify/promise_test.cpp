@@ -355,11 +355,13 @@ TEST(Presets, KeepTheirPromisesWithinSmoke) {
     }
 }
 
-// The picture begins where the camera does, within the smoke.
-TEST(Presets, KeepTheirPromisesWhereTheCameraBeginsToSeeWithinSmoke) {
-    ViewScene scene = wavesInBall(0.33);
-    scene.camera.near = glm::length(scene.camera.wsPosition) + 2;
-    for (const char* preset : {"standard", "high"}) {
+// The camera begins to see within a box of haze, whose even inside it shows. `standard` and `draft` left 2.6 and 8 %.
+TEST(Presets, KeepTheirPromisesWhereTheCameraBeginsToSee) {
+    ViewScene scene = orthographicScene(boxField(Int3(-20), Int3(19)), {0.1, Rgb(1), {}}, 44, 64);
+    lookFrom({0, 0, 60}, 30, scene);
+    scene.camera.near = 60;
+    scene.lights = {distantLight({-1, -0.8, -0.5})};
+    for (const char* preset : {"draft", "standard"}) {
         const PromisedDials chosen = promisedDials(scene, preset);
         EXPECT_LT(errorOf(scene, chosen.dials), 1.5 * chosen.promised) << preset;
     }

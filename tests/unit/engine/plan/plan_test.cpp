@@ -57,6 +57,23 @@ TEST(Plan, HasOnePrimaryGroupAndItIsTheFirst) {
     EXPECT_EQ(lights, 3u);
 }
 
+// Texels blur a border that is as narrow as they are: one of two texels left 17 % at `high`.
+TEST(Plan, ShadesAtPixelsWhereTheBorderOfAConeIsNarrowerThanFourTexels) {
+    ViewScene scene = orthographicScene(boxField(Int3(-8), Int3(7)), {0.01, Rgb(0.9), {}}, 20, 8);
+    Light spot;
+    Light::Spot cone;
+    cone.coneAngle = 10;
+    spot.kind = cone;
+    spot.wsPosition = {0, 0, 48};
+    spot.wsDirection = {0, 0, -1};
+    scene.lights = {spot};
+    const double border = 0.5 * cone.blend * cone.coneAngle * kPi / 180 * (48 - 8);  // where it meets the box
+    for (const double texels : {0.3, 2.0, 3.5, 6.0}) {
+        scene.dials.texel = border / texels;
+        EXPECT_EQ(makePlan(scene, 2).shadeReason.find("so near") != std::string::npos, texels < 4) << texels;
+    }
+}
+
 // Of three tints and two sets of lights, volumes have four pairs. More pairs than channels are an error.
 TEST(ExtinctionChannels, AreThoseOfVolumesAlone) {
     ViewScene scene = someScene();
