@@ -63,6 +63,7 @@ TEST(Plan, ShadesAtPixelsWhereTheBorderOfAConeIsNarrowerThanFourTexels) {
     Light spot;
     Light::Spot cone;
     cone.coneAngle = 10;
+    spot.name = "spot";
     spot.kind = cone;
     spot.wsPosition = {0, 0, 48};
     spot.wsDirection = {0, 0, -1};
