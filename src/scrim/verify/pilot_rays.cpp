@@ -30,7 +30,8 @@ constexpr double kMostUnlit = 0.01;   // of a ray through volumes of unlike voxe
 constexpr double kReach = 2.25;       // of texels: two along one axis, one along the other
 constexpr double kMostDepth = 7;      // optical depth at which a ray ends
 constexpr int kMostSteps = 400;       // per ray
-constexpr double kSure = 0.22;        // standard deviation of the mean square, relative to it
+constexpr int kVoxelsAtEye = 3;
+constexpr double kSure = 0.22;  // standard deviation of the mean square, relative to it
 constexpr double kFar = 1e300;
 constexpr std::size_t kMostLights = 3;
 constexpr double kFourPi = 4 * glm::pi<double>();
@@ -132,6 +133,7 @@ class PilotScene {
     // comes from there.
     struct Seen {
         double exact = 0, texels = 0, alpha = 0, thickness = 0;
+        bool visible() const { return alpha >= 1e-3; }
     };
     Seen look(int number, bool texels = true) const {
         const auto [origin, direction] = ray(number);
@@ -169,11 +171,11 @@ class PilotScene {
     }
 
     // The optical depth of the first voxels of ray `i`.
-    double depthAtEye(int i, int voxels) const {
+    double depthAtEye(int i) const {
         const auto [origin, direction] = ray(i);
         double depth = 0;
         for (const PilotVolume& volume : m_volumes)
-            for (int k = 0; k < voxels; ++k)
+            for (int k = 0; k < kVoxelsAtEye; ++k)
                 depth += std::max(volume.at(origin + (k + 0.5) * m_voxel * direction).extinction, 0.0) * m_voxel;
         return depth;
     }
@@ -401,24 +403,33 @@ Vec3 pilotPlace(int i) {
     return {evenPoint(i), glm::fract(0.5 + 0.618034 * i)};
 }
 
-double depthAtEye(const ViewScene& scene, int rays, int voxels) {
-    const PilotScene pilots(scene);
-    double sum = 0;
-    for (int i = 0; i < rays; ++i) sum += pilots.depthAtEye(i, voxels);
-    return sum / rays;
-}
-
-double visibleThickness(const ViewScene& given, int rays) {
+PilotSight pilotSight(const ViewScene& given, int rays) {
     const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostLights));
     const PilotScene pilots(scene);
-    std::vector<PilotScene::Seen> seen(static_cast<std::size_t>(rays));
-    parallelFor(seen.size(), [&](std::size_t i) { seen[i] = pilots.look(static_cast<int>(i)); });
-    double thickness = 0, light = 0;
-    for (const PilotScene::Seen& ray : seen) {
-        thickness += ray.thickness;
-        light += ray.exact;
+    struct Ray {
+        PilotScene::Seen seen;
+        double depthAtEye = 0;
+    };
+    std::vector<Ray> all(static_cast<std::size_t>(rays));
+    parallelFor(all.size(), [&](std::size_t i) {
+        all[i] = {pilots.look(static_cast<int>(i), false), pilots.depthAtEye(static_cast<int>(i))};
+    });
+    PilotSight sight;
+    double light = 0, thickness = 0, squares = 0, depthAtEye = 0;
+    int count = 0;
+    for (const Ray& ray : all) {
+        light += ray.seen.exact;
+        thickness += ray.seen.thickness;
+        depthAtEye += ray.depthAtEye;
+        if (!ray.seen.visible()) continue;
+        sight.radiance += ray.seen.exact;
+        squares += ray.seen.exact * ray.seen.exact;
+        ++count;
     }
-    return light > 0 ? thickness / light : 0;
+    if (light > 0) sight.thickness = thickness / light;
+    if (sight.radiance > 0) sight.contrast = std::sqrt(squares * count) / sight.radiance;
+    sight.depthAtEye = depthAtEye / rays;
+    return sight;
 }
 
 namespace {
@@ -448,7 +459,7 @@ struct PilotRadiance {
         std::vector<Ray> rays(static_cast<std::size_t>(count));
         parallelFor(rays.size(), [&](std::size_t i) {
             const PilotScene::Seen ray = through.look(static_cast<int>(i), false);
-            if (ray.alpha >= 1e-3) rays[i] = {ray.exact, ray.alpha};
+            if (ray.visible()) rays[i] = {ray.exact, ray.alpha};
         });
         return rays;
     }
@@ -484,25 +495,6 @@ double CoarserPilot::error(const ViewScene& coarser) const {
     return most;
 }
 
-double seenRadiance(const ViewScene& scene, int rays) {
-    const PilotRadiance all(scene, rays);
-    double sum = 0;
-    for (const PilotRadiance::Ray& ray : all.seen) sum += ray.radiance;
-    return sum;
-}
-
-double contrastSeen(const ViewScene& scene, int rays) {
-    const PilotRadiance all(scene, rays);
-    double sum = 0, squares = 0;
-    int count = 0;
-    for (const PilotRadiance::Ray& ray : all.seen) {
-        sum += ray.radiance;
-        squares += ray.radiance * ray.radiance;
-        count += ray.alpha > 0;
-    }
-    return sum > 0 ? std::sqrt(squares * count) / sum : 1;
-}
-
 double pilotError(const ViewScene& given, int rays, int mostRays) {
     const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostLights));
     constexpr int kTasks = 8, kMostTries = 16;
@@ -517,7 +509,7 @@ double pilotError(const ViewScene& given, int rays, int mostRays) {
             Sums& own = sums[task];
             for (; own.tries * kTasks < kMostTries * rays && own.count * kTasks < rays; ++own.tries) {
                 const PilotScene::Seen seen = pilots.look(own.tries * kTasks + static_cast<int>(task));
-                if (seen.alpha < 1e-3 && seen.exact <= 0) continue;
+                if (!seen.visible() && seen.exact <= 0) continue;
                 const double square = (seen.texels - seen.exact) * (seen.texels - seen.exact);
                 own.squares += square;
                 own.fourths += square * square;

@@ -41,18 +41,14 @@ class CoarserPilot {
     std::unique_ptr<const PilotRadiance> m_rays;
 };
 
-/// The sum of the radiance that `rays` rays over the whole picture see, of its three brightest lights.
-double seenRadiance(const ViewScene& scene, int rays);
-
-/// The RMS over the mean of the radiance of those of these rays that see something; 1 where there is no light.
-double contrastSeen(const ViewScene& scene, int rays);
-
-/// The mean optical depth of so many voxels, the scene's finest, where `rays` rays over the whole picture begin; 0 if
-/// the eye is in front of all volumes.
-double depthAtEye(const ViewScene& scene, int rays, int voxels);
-
-/// The mean optical depth of a voxel where light comes from that the camera sees, by `rays` rays; 0 where nothing is
-/// visible.
-double visibleThickness(const ViewScene& scene, int rays);
+/// What rays over the whole picture see, of its three brightest lights.
+struct PilotSight {
+    double radiance = 0;    ///< its sum over the rays
+    double contrast = 1;    ///< RMS over mean of the radiance of those that see something; 1: there is no light
+    double thickness = 0;   ///< the mean optical depth of a voxel where that light comes from; 0: there is none
+    double depthAtEye = 0;  ///< the mean optical depth of three voxels, the scene's finest, where rays begin; 0: the
+                            ///< eye is in front of all volumes
+};
+PilotSight pilotSight(const ViewScene& scene, int rays);
 
 }  // namespace scrim

@@ -126,7 +126,7 @@ void resolveNearLamps(const ViewScene& scene, PromisedDials& promised, double fi
 void addThickness(const ViewScene& scene, PromisedDials& promised) {
     constexpr double kThin = 2, kClearly = 1.05;
     if (depthOfVoxel(scene) < kThin) return;
-    const double depth = visibleThickness(scene, kRays), factor = 0.6 * std::pow(depth, 0.75);
+    const double depth = pilotSight(scene, kRays).thickness, factor = 0.6 * std::pow(depth, 0.75);
     if (depth < kThin || factor * promised.expected <= kClearly * promised.promised) return;
     // A solid box of 8^3 voxels with 100 a voxel: 11.6 %, and with resample = 2, 4 and 8 2.4, 1.2 and 0.4 %.
     promised.beyond.push_back({factor * promised.expected,
@@ -179,7 +179,7 @@ double shareOnCells(const ViewScene& scene) {
     if (std::ranges::none_of(with.lights, shines)) return 0;
     if (std::ranges::none_of(beside.lights, shines)) return 1;
     for (ViewVolume& volume : with.volumes) volume.emission.clear();
-    const double part = seenRadiance(with, kRays), rest = seenRadiance(beside, kRays);
+    const double part = pilotSight(with, kRays).radiance, rest = pilotSight(beside, kRays).radiance;
     return part > 0 ? part / (part + rest) : 0;
 }
 
@@ -205,16 +205,17 @@ ToleranceModel modelOfMedia(const ViewScene& scene, int mostRays) {
     constexpr double kPerDepth = 6, kMostDepth = 0.5;
     const double onCells = (1 + kPerDepth * std::min(depthOfVoxel(scene), kMostDepth)) / soft;
     if (onCells > 1) model.sheets *= 1 + shareOnCells(scene) * (onCells - 1);
-    // Within a sheet its own medium dims light on both ways, whatever texels show: by about (its optical depth)^2 / 30
-    // where light comes from behind the eye. A smooth ball, sheets of 0.3 and 0.6: 0.24 and 1.2 %.
+    // Within a sheet its own medium dims light on both ways, whatever texels show: by about (its optical depth)^2 / 36
+    // where light comes from behind the eye, more where few pixels are lit. A smooth ball, sheets of 0.3 and 0.6: 0.24
+    // and 1.2 %.
     constexpr double kPerDepth2 = 1.0 / 36;
-    const double depth = std::min(visibleThickness(scene, kRays), kMostDepth);
-    model.sheets = std::max(model.sheets, kPerDepth2 * depth * depth * contrastSeen(scene, kRays));
+    const PilotSight sight = pilotSight(scene, kRays);
+    const double depth = std::min(sight.thickness, kMostDepth);
+    model.sheets = std::max(model.sheets, kPerDepth2 * depth * depth * sight.contrast);
     // What is seen of smoke from within is in a few sheets, whose errors do not even out. In smoke of 0.2 a voxel
     // sheets of 2.6, 1.3 and 0.5 voxels left 3.1, 1.2 and 0.26 %, where 0.8 were expected of the first.
     constexpr double kPerDepthAtEye = 10;
-    constexpr int kVoxelsAtEye = 3;
-    model.sheets *= 1 + kPerDepthAtEye * std::min(depthAtEye(scene, kRays, kVoxelsAtEye), kMostDepth);
+    model.sheets *= 1 + kPerDepthAtEye * std::min(sight.depthAtEye, kMostDepth);
     // A ball of 1 : 1 : 1/100, 1/1000: sheets of 1.5 voxels left 1.4 %, where texels of half a voxel left 0.3.
     constexpr double kFlatSheets = 2.5;
     if (anyFlat(scene)) model.sheets *= kFlatSheets;

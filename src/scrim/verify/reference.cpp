@@ -149,10 +149,6 @@ double evenAngle(const Light& lamp, const Vec3& ws) {
     return even;
 }
 
-}  // namespace
-
-namespace {
-
 // What the steps of a ray that meets an area light at a distance from it are to be small beside; none: a mesh.
 struct NearArea {
     double distance = 0, size = 0;

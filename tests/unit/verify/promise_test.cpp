@@ -109,7 +109,7 @@ TEST(PromisedDials, SayWhatThickVoxelsLeave) {
         EXPECT_LT(expected, error * 2) << depth;
         EXPECT_EQ(why, fmt::format("voxels of an optical depth of {:.2g} are seen, which change from bright to dark "
                                    "within a texel; a larger resample in [[volume]] divides them",
-                                   visibleThickness(scene, 48)));
+                                   pilotSight(scene, 48).thickness));
     }
     EXPECT_TRUE(promisedDials(smoke(16, 0.6, 48), "standard").beyond.empty());
 }

@@ -135,10 +135,11 @@ void AreaField::addTo(const SamplePlane& plane, const SampleTile& samples, const
         // sheets left 3.5 and 11 % beside a square and a tube, and four parts leave 1.7 and 4.7 %.
         const int parts = away < kTurns * length ? kParts : path.thick ? 2 : 1;
         Real found[3] = {0, 0, 0};
+        const double through = std::exp(-tau / parts);
         double all = 0, seen = 1;
-        for (int i = 0; i < parts; ++i, seen *= std::exp(-tau / parts)) all += seen;
+        for (int i = 0; i < parts; ++i, seen *= through) all += seen;
         seen = 1;
-        for (int i = 0; i < parts; ++i, seen *= std::exp(-tau / parts))
+        for (int i = 0; i < parts; ++i, seen *= through)
             addPieces(m_shine.along(begin + double(i) / parts * way, way / double(parts), tau / parts), seen / all,
                       last, found);
         for (int c = 0; c < 3; ++c) rgb[c][k] += found[c];

@@ -342,10 +342,6 @@ void growCells(const ViewScene& scene, CellLightPlan& plan, std::vector<double>&
     plan = std::move(none);
 }
 
-}  // namespace
-
-namespace {
-
 // True if look-ups show a light's place: a lamp, or a surface among the volumes.
 bool isSharpOnCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
     return isLampOnCells(scene, light) || (AreaShine::serves(light) && isAmong(light, wsCorners));
