@@ -3,6 +3,7 @@
 
 #include <scrim/engine/lamps/area_shine.h>
 #include <scrim/engine/model/sub_lights.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/geometry/even_points.h>
 #include <scrim/scene/optics.h>
 #include <scrim/scene/phase_over_caps.h>
@@ -158,11 +159,6 @@ bool isAmongMedia(const ViewScene& scene, const Vec3& ws, double around) {
     return meets(scene, isSeen, ws, around, 16, 0);
 }
 
-// True if cells keep the light of a surface close to it as AreaField does.
-bool hasOwnField(const Light& light) {
-    return AreaShine::serves(light) && light.shadows && light.shadow != ShadowMethod::buffers;
-}
-
 }  // namespace
 
 // The light of a surface rises towards it, and cells and points show it no finer than they are. A square of 1.6, 4, 8
@@ -180,10 +176,10 @@ void addSurfacesAmong(const ViewScene& scene, PromisedDials& promised) {
             continue;
         const double size = std::sqrt(area->area());
         if (!isInPicture(scene.camera, light.wsPosition) || !isAmongMedia(scene, light.wsPosition, size)) continue;
-        const bool turns = narrowestLobe(scene, std::size_t(&light - scene.lights.data())) < kLobe;
-        const double expected = !hasOwnField(light) ? std::min(kOfSize * voxelUnit(scene) / size, kMost)
-                                : turns             ? kTurning
-                                                    : 0;
+        const auto number = std::size_t(&light - scene.lights.data());
+        const bool turns = narrowestLobe(scene, number) < kLobe;
+        const bool ownField = AreaShine::serves(light) && planCellLights(scene).has(number);
+        const double expected = !ownField ? std::min(kOfSize * voxelUnit(scene) / size, kMost) : turns ? kTurning : 0;
         if (expected > promised.promised && expected > promised.expected)
             promised.beyond.push_back(
                 {expected, fmt::format("the surface of light '{}' shines among volumes in the picture, where its light "
