@@ -29,8 +29,8 @@ cd "$root"
 if [ "$preset" = "asan" ]; then
     export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
     export SCRIM_FUZZ_RUNS=20 SCRIM_LAWS_COUNT=4
-    # Those of effects take as long as all others: .ci/full runs them, by SCRIM_PROGRAMS=effect.
-    programs="${SCRIM_PROGRAMS:-error stability unit shot fuzz plugin thread law}"
+    # The others take longer than all of these: .ci/full runs them, by SCRIM_PROGRAMS.
+    programs="${SCRIM_PROGRAMS:-stability unit shot fuzz plugin thread}"
     targets="--target $(printf 'scrim_%s_tests ' $programs)"
     filter='-Interrupt.*:Sizes.*:*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*:*AgreeWithBruteForce*:*classifiedPerView*:Limits.*:Ax.Hostile*:Ax.ExpressionsThatNeverEnd*:Documents.*:SourceLoader.KeepsFilesThatTakeOver*:MultipleScattering.*PathTracer:MultipleScattering.OfA*Chandrasekhars:MultipleScattering.OfADome*:MultipleScattering.OfAnEvenGlow*:MultipleScattering.ConvergesWithTheCells:MultipleScattering.TakesFewSweeps*:MultipleScattering.OfASlabIsMilnes:*ConvergesToTheReference:*ConvergeToTheReference:*AgreesWithBruteForce*:*ShowsWhatTheReferenceShows*'
     options=""

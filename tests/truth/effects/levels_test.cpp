@@ -271,7 +271,7 @@ TEST(Levels, AgreeWithBruteForceForAScanInHaze) {
     look.transfer = {{0.2, Rgb(0.8), 0}, {0.6, Rgb(0.8), 6}};
     scene.volumes[1].classified = std::make_shared<const Classified>(look);
     EXPECT_EQ(levelsOf(scene), 2u);
-    EXPECT_LT(errorOf(scene, 60), 0.03);
+    EXPECT_LT(errorOf(scene, 24), 0.03);
 }
 
 // All volumes in sheets of the same voxels.

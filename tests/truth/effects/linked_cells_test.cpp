@@ -222,11 +222,11 @@ TEST(LinkedCells, AgreeWithBruteForce) {
     for (const bool coloured : {false, true}) {
         ViewScene scene = linkedSmoke(coloured);
         EXPECT_EQ(makePlan(scene, 1).cellLights.lights.size(), 4u);
-        EXPECT_LT(errorOf(scene, 40), 0.02) << "coloured " << coloured;
+        EXPECT_LT(errorOf(scene, 16), 0.02) << "coloured " << coloured;
         // Without the links the picture is another one.
         const Image linked = renderScene(scene).image;
         for (ViewVolume& volume : scene.volumes) volume.shadows.clear();
-        EXPECT_GT(summarise(samplePixels(scene, linked, 40, 7)).error, 0.1);
+        EXPECT_GT(summarise(samplePixels(scene, linked, 8, 7)).error, 0.1);
     }
 }
 
