@@ -44,7 +44,10 @@ struct Dials {
     /// preset's promise (verify/promise.h), or 0 where nobody chooses.
     std::optional<double> lod;
     int antialias = 1;                ///< n x n rays a pixel
-    std::optional<double> lightCell;  ///< edge, in voxels, of the cells of lights on cells; no value: chosen
+    std::optional<double> lightCell;  ///< edge, in voxels, of the smallest cells of lights on cells; no value: chosen
+    /// The edge of the larger cells of other volumes, relative to what is chosen for them; no value: 1, or less where
+    /// the smallest cells are smaller than chosen.
+    std::optional<double> lightCellOthers;
     /// Edge, in voxels, of the cells that carry multiply scattered light; no value: chosen for the preset's promise
     /// (verify/promise.h), or kScatterCell where nobody chooses.
     std::optional<double> scatterCell;

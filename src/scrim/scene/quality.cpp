@@ -148,6 +148,20 @@ Dial scatterDirections() {
     return d;
 }
 
+void addLightCells(std::vector<Dial>& all) {
+    all.push_back(cellEdge(
+        "light_cell", &Dials::lightCell,
+        "edge of the cells that keep the light of extended lights and of lamps within a volume, the smallest of the "
+        "scene; auto: 0.25 to 4 by the optical depth of a voxel and the size of the volumes, 0.7 of more than 1 for "
+        "area lights, half for a light_error below 0.004; a preset takes up to twice that where the picture shows "
+        "little of it, in scenes where these cells take most of a second; error of second order"));
+    all.push_back(chosenNumber(
+        "light_cell_others", "", 0.25, &Dials::lightCellOthers,
+        "edge of the larger cells that other volumes may have, such as haze around smoke, relative to what is chosen "
+        "for them; auto: 1, or a light_cell that is smaller than chosen makes them as much smaller; a preset takes up "
+        "to 2, as for light_cell"));
+}
+
 std::vector<Dial> makeDials() {
     std::vector<Dial> all;
     all.push_back(number("sheet_thickness", "voxels", 0.01, 64, &Dials::sheetThickness,
@@ -180,12 +194,7 @@ std::vector<Dial> makeDials() {
     all.push_back(number("light_error", "relative RMSE", 1e-4, 0.5, &Dials::lightError,
                          "error allowed to the sub-lights of area lights, domes and suns with an angle; sets their "
                          "number if a light gives no samples"));
-    all.push_back(cellEdge(
-        "light_cell", &Dials::lightCell,
-        "edge of the cells that keep the light of extended lights and of lamps within a volume; auto: 0.25 "
-        "to 4 by the optical depth of a voxel and the size of the volumes, 0.7 of more than 1 for area lights, "
-        "half for a light_error below 0.004; a preset takes up to twice that where the picture shows little of it, in "
-        "scenes where these cells take most of a second; error of second order"));
+    addLightCells(all);
     all.push_back(chosenNumber(
         "lod", "pixels", 0, &Dials::lod,
         "size below which voxels are splatted from a coarser level of the grid; 0: never; auto: as large as the "

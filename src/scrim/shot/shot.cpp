@@ -228,6 +228,7 @@ double Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Sh
     if (!scene.keepsPromise) return pilots;
     if (!scene.dials.lod) scene.dials.lod = chosen.dials.lod;
     if (!scene.dials.lightCell) scene.dials.lightCell = chosen.dials.lightCell;
+    if (!scene.dials.lightCellOthers) scene.dials.lightCellOthers = chosen.dials.lightCellOthers;
     scene.dials.texel = chosen.dials.texel;
     scene.dials.sheetThickness = chosen.dials.sheetThickness;
     scene.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, chosen.dials.opacityCutoff);

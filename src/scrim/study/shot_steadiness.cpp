@@ -6,6 +6,7 @@
 #include <scrim/base/system_error.h>
 #include <scrim/base/timed.h>
 #include <scrim/engine/plan/make_plan.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/scene/quality.h>
 #include <scrim/shot/shot_content.h>
 
@@ -65,6 +66,7 @@ Dials convergedDials(const Dials& dials, double lightCell) {
     finer.opacityCutoff = kLessCutOff * dials.opacityCutoff;
     finer.lightError = std::max(0.5 * dials.lightError, kFinestLights);
     if (lightCell > 0) finer.lightCell = std::max(0.5 * lightCell, kFinestCell);
+    finer.lightCellOthers = std::max(0.5 * dials.lightCellOthers.value_or(1), kFinestCell);
     finer.scatterCell = std::max(0.5 * dials.scatterCell.value_or(kScatterCell), kFinestCell);
     if (dials.scatterDirections) finer.scatterDirections = std::min(2 * *dials.scatterDirections, kMostDirections);
     finer.scatterError = std::max(kLessSweeps * dials.scatterError, kFinestSweeps);
@@ -104,14 +106,12 @@ ShotSteadiness::ShotSteadiness(Shot& shot, int frame, const RenderOptions& rende
         const ViewScene view = loaded->view(m_rendering, dials.lod.value_or(0), VolumesOf::picture);
         if (dials.lod) dials.lod = part * *dials.lod;
         const CellLightPlan lights = makePlan(view, threadCount()).cellLights;
-        double smallest = 0;  // cells; 0: none
-        for (std::size_t i = 0; i < lights.lights.size(); ++i)
-            smallest = i == 0 ? lights.edge(i) : std::min(smallest, lights.edge(i));
+        const double smallest = lights.lights.empty() ? 0 : smallestCell(view, lights);  // 0: there are no cells
         m_result.promised = promisedError(m_result.quality, anyClassified(view));
         if (anyScattersFully(view))
             m_result.promised = std::max(m_result.promised, promisedScatteringError(m_result.quality));
         m_result.dials = dials;
-        m_result.converged = convergedDials(dials, smallest / voxelUnit(view));
+        m_result.converged = convergedDials(dials, smallest);
         m_result.threads = threadCount();
     });
 }

@@ -5,10 +5,13 @@
 #include <scrim/engine/passes/light_cells.h>
 #include <scrim/engine/plan/expected_cost.h>
 #include <scrim/engine/plan/transport_plan.h>
+#include <scrim/scene/phase_over_caps.h>
 #include <scrim/verify/seen_cells.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numbers>
 #include <vector>
 
 namespace scrim {
@@ -17,11 +20,20 @@ namespace {
 constexpr int kDirections = 24;  // that stand for a light on cells
 constexpr int kFew = 3;          // points that stand for another light
 
-// The scene whose lights on cells have few directions.
+// Half the angle of the cap that each of so many directions of a sky stands for, radians.
+double halfCap(int directions) {
+    return std::acos(std::max(1 - 2.0 / directions, -1.0));
+}
+
+// The scene whose lights on cells have few directions. Lobes that are as wide as the many caps of a sky, but narrower
+// than the few, would take rays from every cell (passes/sky_peaks.h): they become even.
 ViewScene withFewDirections(ViewScene scene, const CellLightPlan& plan) {
     for (const int i : plan.lights) {
         Light& light = scene.lights[std::size_t(i)];
-        light.samples = std::min(subLightCount(scene, light), kDirections);
+        const int directions = subLightCount(scene, light);
+        light.samples = std::min(directions, kDirections);
+        for (ViewVolume& volume : scene.volumes)
+            if (light.dome() && !needsCaps(volume.medium.phase, halfCap(directions))) volume.medium.phase = {};
     }
     return scene;
 }
@@ -32,9 +44,41 @@ ViewScene withLightsBeside(ViewScene scene, const CellLightPlan& plan) {
     return withFewSubLights(scene, kFew);
 }
 
+// The scene with cells so many times larger than the plan's: the smallest, and those of other levels.
+ViewScene withLarger(ViewScene scene, double planned, double smallest, double others) {
+    scene.dials.lightCell = smallest * planned;
+    scene.dials.lightCellOthers = others;
+    return scene;
+}
+
+// Light on cells by the levels that it is on.
+struct ByLevel {
+    std::vector<CellLight> smallest, others;
+};
+
+// The light of `few` on the cells that `scene` has.
+ByLevel onCells(const ViewScene& scene, const ViewScene& few) {
+    const CellLightPlan plan = planCellLights(scene);
+    const std::size_t finest = finestLevel(plan);
+    ByLevel out;
+    CellLightWork work;
+    for (std::size_t l = 0; l < plan.levels.size(); ++l)
+        std::ranges::move(
+            lightOnCells(
+                LevelScene(few, plan, l), plan.lights, plan.levels[l].smallest(), Simd(scene.dials.simd), [] {}, work),
+            std::back_inserter(l == finest ? out.smallest : out.others));
+    return out;
+}
+
+std::vector<CellLight> sum(const std::vector<CellLight>& a, const std::vector<CellLight>& b) {
+    std::vector<CellLight> all = a;
+    all.insert(all.end(), b.begin(), b.end());
+    return all;
+}
+
 bool mayGrow(const ViewScene& scene) {
     constexpr std::size_t kMostVolumes = 500;  // the rays ask each of them
-    return !scene.dials.lightCell && scene.volumes.size() <= kMostVolumes &&
+    return !scene.dials.lightCell && !scene.dials.lightCellOthers && scene.volumes.size() <= kMostVolumes &&
            std::ranges::none_of(scene.volumes, [](const ViewVolume& volume) {
                return volume.classified != nullptr || scattersFully(volume);
            });
@@ -53,22 +97,31 @@ std::optional<LightCellChoice> largerLightCells(const ViewScene& given, double e
     scene.layers.clear();
     scene.memoryLimit = 0;
     const CellLightPlan plan = planCellLights(scene);
-    if (plan.levels.size() != 1 || cellLightSeconds(scene, plan) < worthwhile) return std::nullopt;
-    const ViewScene few = withFewDirections(scene, plan);
-    const double planned = plan.levels.front().smallest();
-    const auto onCells = [&](double larger) {
-        CellLightWork work;
-        return lightOnCells(
-            LevelScene(few), plan.lights, larger * planned, Simd(scene.dials.simd), [] {}, work);
+    if (plan.levels.empty() || cellLightSeconds(scene, plan) < worthwhile) return std::nullopt;
+    const double planned = smallestCell(scene, plan);
+    const ViewScene few = withFewDirections(scene, plan), beside = withLightsBeside(scene, plan);
+    const ByLevel fine = onCells(withLarger(scene, planned, kFine, kFine), few),
+                  coarse = onCells(withLarger(scene, planned, kCoarse, kCoarse), few);
+    const std::vector<CellLight> all = sum(fine.smallest, fine.others);
+    const double ofSmallest = seenCells(beside, all, sum(coarse.smallest, fine.others)).difference;
+    const double ofOthers =
+        fine.others.empty() ? 0 : seenCells(beside, all, sum(fine.smallest, coarse.others)).difference;
+    const auto errorOf = [&](double difference, double larger) {
+        return larger > 1 ? kOfDifference * difference * std::pow(larger / kCoarse, kOrder) : 0;
     };
-    const SeenCells seen = seenCells(withLightsBeside(scene, plan), onCells(kFine), onCells(kCoarse));
-    const auto errorOf = [&](double larger) {
-        return kOfDifference * seen.difference * std::pow(larger / kCoarse, kOrder);
-    };
-    for (const double larger : {2.0, std::sqrt(2.0)})
-        if (errorOf(larger) <= error)
-            return LightCellChoice{std::round(100 * larger * planned / voxelUnit(scene)) / 100, errorOf(larger)};
-    return std::nullopt;
+    std::optional<LightCellChoice> best;
+    double least = cellLightSeconds(scene, plan);
+    for (const double smallest : {1.0, std::numbers::sqrt2, 2.0})
+        for (const double others : {1.0, std::numbers::sqrt2, 2.0}) {
+            const double expected = errorOf(ofSmallest, smallest) + errorOf(ofOthers, others);
+            if (expected > error || (smallest == 1 && others == 1)) continue;
+            const ViewScene larger = withLarger(scene, planned, smallest, others);
+            const double seconds = cellLightSeconds(larger, planCellLights(larger));
+            if (seconds >= least) continue;
+            least = seconds;
+            best = {std::round(100 * smallest * planned) / 100, std::round(100 * others) / 100, expected};
+        }
+    return best;
 }
 
 }  // namespace scrim

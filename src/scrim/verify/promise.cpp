@@ -442,6 +442,7 @@ PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
     if (classified) boundSurfaces(out.dials);
     if (const auto cells = largerLightCells(scene, kOfLightCells * promised)) {
         out.dials.lightCell = cells->cell;
+        out.dials.lightCellOthers = cells->others;
         out.expected = std::hypot(out.expected, cells->expected);
     }
     if (!classified) addThickness(scene, out);

@@ -196,7 +196,7 @@ ViewScene refined(ViewScene scene) {
     dials.sheetThickness /= 2;
     dials.lightError /= 2;
     dials.footprintSteps = std::min(2 * dials.footprintSteps, 32);
-    for (auto* cell : {&dials.lightCell, &dials.scatterCell})
+    for (auto* cell : {&dials.lightCell, &dials.lightCellOthers, &dials.scatterCell})
         if (*cell) **cell /= 2;
     if (!dials.scatterCell) dials.scatterCell = kScatterCell / 2;
     for (Light& light : scene.lights)

@@ -200,7 +200,7 @@ ViewScene settled(ViewScene scene) {
     const Plan plan = planOf(scene);
     scene.dials.shade = plan.shadeAtPixels ? ShadeMode::pixel : ShadeMode::texel;
     if (!plan.cellLights.lights.empty() && !scene.dials.lightCell)
-        scene.dials.lightCell = std::clamp(plan.cellLights.edge(0) / plan.voxel, 0.25, 16.0);
+        scene.dials.lightCell = std::clamp(smallestCell(scene, plan.cellLights), 0.25, 16.0);
     return scene;
 }
 

@@ -453,6 +453,34 @@ TEST(LightCells, AreLargerWhereThePictureShowsLittleOfThem) {
     EXPECT_FALSE(largerLightCells(sunny, kError, kAlways)) << "the scene states them";
 }
 
+// The haze has larger cells than the ball in it. Each may grow as far as the picture hardly shows it, and the error
+// foreseen is that of both.
+TEST(LightCells, GrowInEachLevelOfSmokeInHaze) {
+    constexpr double kError = 0.004, kAlways = 0, kScale = 8;
+    ViewScene scene = smoke(20, 0.4, 96);
+    ViewVolume& haze = scene.volumes.emplace_back(scene.volumes.front());
+    haze.wsFromIs = glm::scale(Mat4(1), Vec3(kScale)) * haze.wsFromIs;
+    haze.medium.densityScale *= 0.1 / kScale;
+    scene.lights.front().kind = Light::Dome{};
+    scene.lights.front().samples = 32;
+    const CellLightPlan planned = planCellLights(scene);
+    ASSERT_EQ(planned.levels.size(), 2u);
+    const auto chosen = largerLightCells(scene, kError, kAlways);
+    ASSERT_TRUE(chosen);
+    EXPECT_LE(chosen->expected, kError);
+    EXPECT_GT(chosen->others, 1);
+    scene.dials.texel = scene.dials.sheetThickness = 1;
+    const auto picture = [&](double cell, double others) {
+        scene.dials.lightCell = cell;
+        scene.dials.lightCellOthers = others;
+        return render(scene, makePlan(scene, 2)).image;
+    };
+    const double smallest = smallestCell(scene, planned);
+    const double found = differenceOf(picture(chosen->cell, chosen->others), picture(smallest / 2, 0.5)).error;
+    EXPECT_LT(found, 1.5 * chosen->expected);
+    EXPECT_GT(found, 0.2 * chosen->expected);
+}
+
 ViewScene surface(double radius, double bumps) {
     const int edge = static_cast<int>(radius) + 4;
     const auto field = makeField(Int3(-edge), Int3(edge), 1, [&](const Vec3& is) {

@@ -228,7 +228,6 @@ double longestOf(const ViewScene& scene) {
 // cells of 1 and 0.5 voxels leave 2.5 and 0.6 %.
 // `longest`: of longestOf.
 double lightCell(const ViewScene& scene, const Light& light, double longest) {
-    if (scene.dials.lightCell) return *scene.dials.lightCell;
     if (hasSurfaces(scene)) return surfaceCell(scene);
     constexpr double kFine = 0.004, kRims = 0.2;
     // The few points of a sphere are not to be told apart.
@@ -271,6 +270,18 @@ void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, const
 }
 
 namespace {
+
+// Gives cells the edges that dials state, and all lights the same. Haze around smoke that may have larger cells may
+// have had the largest that it should have.
+void setByDials(const ViewScene& scene, CellLightPlan& plan) {
+    const Dials& dials = scene.dials;
+    const CellLevel& finest = plan.levels[finestLevel(plan)];
+    const double planned = finest.smallest(), voxel = voxelUnit(withVoxelsOf(scene, finest.volumes));
+    const double edge = dials.lightCell ? *dials.lightCell * voxel : planned;
+    const double others = dials.lightCellOthers.value_or(std::min(edge / planned, 1.0));
+    for (CellLevel& level : plan.levels)
+        std::ranges::fill(level.edges, &level == &finest ? edge : std::max(others * level.smallest(), edge));
+}
 
 // Memory of the cells of the plan's lights on a level, which `scene` has alone.
 double cellBytes(const ViewScene& scene, const CellLightPlan& plan, const CellLevel& level) {
@@ -375,15 +386,28 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     for (std::vector<bool>& volumes :
          cellLevels(scene, [&](const ViewScene& own) { return std::ranges::min(edgesFor(own)); }))
         plan.levels.emplace_back().volumes = std::move(volumes);
+    const auto ownOf = [&](const CellLevel& level) {
+        return plan.levels.size() > 1 ? withVoxelsOf(scene, level.volumes) : scene;
+    };
+    for (CellLevel& level : plan.levels) level.edges = edgesFor(ownOf(level));
+    if (scene.dials.lightCell || scene.dials.lightCellOthers) setByDials(scene, plan);
     std::vector<double> bytes;
     for (CellLevel& level : plan.levels) {
-        const ViewScene own = plan.levels.size() > 1 ? withVoxelsOf(scene, level.volumes) : scene;
-        level.edges = edgesFor(own);
+        const ViewScene own = ownOf(level);
         level.features = kFeatures * longestOf(own) * voxelUnit(own);
         bytes.push_back(cellBytes(own, plan, level));
     }
     growCells(scene, plan, bytes);
     return plan;
+}
+
+std::size_t finestLevel(const CellLightPlan& cells) {
+    return std::size_t(std::ranges::min_element(cells.levels, {}, &CellLevel::smallest) - cells.levels.begin());
+}
+
+double smallestCell(const ViewScene& scene, const CellLightPlan& cells) {
+    const CellLevel& finest = cells.levels[finestLevel(cells)];
+    return finest.smallest() / voxelUnit(withVoxelsOf(scene, finest.volumes));
 }
 
 double errorOfLargeCells(const ViewScene& scene, const CellLightPlan& cells) {

@@ -19,6 +19,13 @@ void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, const
 /// Chooses the lights that are kept on cells, and the cells.
 CellLightPlan planCellLights(const ViewScene& scene);
 
+/// The number of the level with the smallest cells. Some light must be on cells.
+std::size_t finestLevel(const CellLightPlan& cells);
+
+/// The edge of the smallest cells, in voxels of the volumes that they are for, as the dial light_cell states it. Some
+/// light must be on cells.
+double smallestCell(const ViewScene& scene, const CellLightPlan& cells);
+
 /// The error of the light on surfaces that is left where cells are larger than they should be for want of memory,
 /// relative to that light; 0 elsewhere.
 double errorOfLargeCells(const ViewScene& scene, const CellLightPlan& cells);
