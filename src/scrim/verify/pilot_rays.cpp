@@ -5,12 +5,14 @@
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/geometry/even_points.h>
 #include <scrim/scene/light_at.h>
-#include <scrim/scene/optics.h>
+#include <scrim/verify/pilot_volume.h>
 #include <scrim/volume/coarser.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,47 +35,6 @@ constexpr int kMostSteps = 400;       // per ray
 constexpr int kVoxelsAtEye = 3;
 constexpr double kSure = 0.22;  // standard deviation of the mean square, relative to it
 constexpr double kFar = 1e300;
-constexpr std::size_t kMostLights = 3;
-constexpr double kFourPi = 4 * glm::pi<double>();
-
-// Extinction and emission at a point, per world unit. Emission is given as the irradiance that would be scattered
-// evenly to the same effect.
-struct Stuff {
-    double extinction = 0, glow = 0;
-
-    void add(const Stuff& o, double weight) {
-        extinction += weight * o.extinction;
-        glow += weight * o.glow;
-    }
-};
-
-class PilotVolume {
-  public:
-    PilotVolume(const ViewVolume& volume, FieldSamplers& samplers) : optics(volume, Kernel::linear, samplers) {
-        for (const ViewEmission& emission : volume.emission)
-            m_glow.push_back(kFourPi * glm::dot(emission.color, Rgb(1.0 / 3)));
-    }
-
-    Stuff at(const Vec3& ws) const {
-        Stuff out{optics.mostExtinction(ws), 0};
-        for (std::size_t i = 0; i < m_glow.size(); ++i)
-            out.glow += m_glow[i] * std::max(optics.emissionField(i, ws), 0.0);
-        return out;
-    }
-
-    VolumeOptics optics;
-    Bounds bounds;     ///< world space
-    double step = 1;   ///< world units
-    double texel = 1;  ///< of the sheets that the volume has (plan/levels.h), world units
-
-  private:
-    std::vector<double> m_glow;  // for each emission
-};
-
-struct PilotLight {
-    const Light* light;
-    double power;  // irradiance, or radiant intensity
-};
 
 double voxelOf(const ViewVolume& volume) {
     return smallest(voxelEdges(volume.wsFromIs));
@@ -84,14 +45,13 @@ class PilotScene {
   public:
     /// `like`: the scene whose steps the rays take; null: they are chosen for this one.
     explicit PilotScene(const ViewScene& scene, const PilotScene* like = nullptr)
-        : m_rays(wsRays(scene.camera)), m_size(scene.camera.resolution) {
+        : m_rays(wsRays(scene.camera)), m_size(scene.camera.resolution), m_lights(brightestLights(scene)) {
         FieldSamplers samplers;
         m_flat = like != nullptr ? like->m_flat : anyFlat(scene);
         m_step = like != nullptr ? like->m_step : stepOf(scene);
         for (const ViewVolume& volume : scene.volumes) {
             if (volume.field->empty() && volume.emission.empty()) continue;
-            PilotVolume& own = m_volumes.emplace_back(volume, samplers);
-            for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) own.bounds.include(corner);
+            PilotVolume& own = m_volumes.emplace_back(volume, samplers, scene, m_lights);
             if (m_flat) {
                 own.bounds.lower -= kFlatReach * voxelOf(volume);
                 own.bounds.upper += kFlatReach * voxelOf(volume);
@@ -108,14 +68,10 @@ class PilotScene {
         }
         sortIntoCells();
         chooseSteps(like);
-        for (const Light& light : scene.lights) m_lights.push_back({&light, glm::dot(light.intensity, Rgb(1.0 / 3))});
-        std::stable_sort(m_lights.begin(), m_lights.end(),
-                         [](const PilotLight& a, const PilotLight& b) { return a.power > b.power; });
-        if (m_lights.size() > kMostLights) m_lights.resize(kMostLights);
         if (solidsBlock(scene)) m_solids = scene.solids.get();
-        m_ambient = kFourPi * glm::dot(scene.ambient, Rgb(1.0 / 3));
-        // In a scene without light only opacity is visible; constant ambient light then stands for it.
-        if (m_ambient == 0 && !anyEmits(scene) && (m_lights.empty() || m_lights.front().power == 0)) m_ambient = 1;
+        if (scene.solids && scene.solids->any(SolidRole::holdout)) m_holdouts = scene.solids.get();
+        m_ambient = 4 * glm::pi<double>() * glm::dot(scene.ambient, Rgb(1.0 / 3));
+        chooseWeights(like, anyEmits(scene));
         // Sheets lie half-way between eye and light. Any two axes within them will do.
         Vec3 axis = viewingAxis(scene.camera);
         if (!m_lights.empty()) {
@@ -139,35 +95,50 @@ class PilotScene {
         const auto [origin, direction] = ray(number);
         const double jitter = m_flat ? 0.5 : pilotPlace(number).z;
         Seen seen;
-        const auto [first, last] = m_bounds.clip(origin, direction, 0, kFar);
-        if (!(first < last)) return seen;
-        double through[2] = {1, 1}, radiance[2] = {0, 0}, thickness = 0;
-        double light[2] = {0, 0}, unlit = 0;  // what has contributed since light was looked up
-        walk(origin, direction, first, last, jitter, [&](double t, double step) {
+        const auto [first, end] = m_bounds.clip(origin, direction, 0, kFar);
+        if (!(first < end)) return seen;
+        const double last = m_holdouts ? m_holdouts->firstHit(SolidRole::holdout, origin, direction, 0, end) : end;
+        double through[2] = {1, 1}, radiance[2] = {0, 0}, clear = 1, thickness = 0;
+        std::array<double, kMostPilotLights + 1> light[2] = {};
+        double unlit = 0;  // what has contributed since light was looked up
+        walk(origin, direction, first, std::min(last, end), jitter, [&](double t, double step) {
             const Vec3 at = origin + t * direction;
-            Stuff stuff[2];
+            PilotStuff stuff[2];
             lookUp(at, direction, texels && evenSteps(at, direction, step) == 0, stuff);
-            const Stuff& exact = stuff[0];
-            if (stuff[0].extinction + stuff[1].extinction + stuff[0].glow + stuff[1].glow <= 0) return true;
+            const PilotStuff& exact = stuff[0];
+            if (stuff[0].opacity + stuff[1].opacity + stuff[0].glow + stuff[1].glow <= 0) return true;
             const double before = radiance[0], share = through[0] * stuff[0].extinction * step;
             unlit += share;
             if (m_even || unlit > kMostUnlit) {
-                light[0] = light[1] = m_ambient;
+                for (auto& all : light) {
+                    all.fill(0);
+                    all[kMostPilotLights] = m_ambient;
+                }
                 if (unlit > kLeastShare * m_step / kStep)
-                    for (const PilotLight& l : m_lights) addLight(l, at, jitter, texels, light);
+                    for (std::size_t l = 0; l < m_lights.size(); ++l) addLight(l, at, jitter, texels, light);
                 unlit = 0;
             }
             for (int i = 0; i < 2; ++i) {
                 const double tau = stuff[i].extinction * step, left = std::exp(-tau);
-                // Mean transmittance of emission within the step.
-                const double sent = tau > 1e-6 ? (1 - left) / tau : 1;
-                radiance[i] += through[i] * ((1 - left) * light[i] + sent * stuff[i].glow * step);
+                // Mean transmittance of emission within the step, and of the light that is scattered there.
+                const double sent = (tau > 1e-6 ? (1 - left) / tau : 1) * step;
+                double scattered = 0;
+                for (std::size_t l = 0; l < light[i].size(); ++l) scattered += stuff[i].scattering[l] * light[i][l];
+                radiance[i] += through[i] * sent * (scattered + stuff[i].glow);
                 through[i] *= left;
             }
+            if (exact.opacity > 0) {
+                const double left = std::exp(-exact.opacity * step);
+                seen.alpha += clear * (1 - left) * exact.shown / exact.opacity;
+                clear *= left;
+            }
             thickness += (radiance[0] - before) * exact.extinction * m_voxel;
-            return std::max(through[0], through[1]) >= std::exp(-kMostDepth);
+            return std::max({through[0], through[1], clear}) >= std::exp(-kMostDepth);
         });
-        return {radiance[0], radiance[1], 1 - through[0], thickness};
+        seen.exact = radiance[0];
+        seen.texels = radiance[1];
+        seen.thickness = thickness;
+        return seen;
     }
 
     // The optical depth of the first voxels of ray `i`.
@@ -193,6 +164,20 @@ class PilotScene {
         const double x = place.x * m_size.x, y = place.y * m_size.y;
         const Vec3 perDepth = m_rays.direction(x, y);
         return {m_rays.origin(x, y) + m_rays.near * perDepth, glm::normalize(perDepth)};
+    }
+    // In a scene without light only opacity is visible; constant ambient light then stands for it.
+    void chooseWeights(const PilotScene* like, bool emits) {
+        double brightest = 0;
+        for (const PilotVolume& volume : m_volumes) brightest = std::max(brightest, volume.brightest());
+        const bool lit = !m_lights.empty() && m_lights.front().power > 0 && brightest > 0;
+        if (m_ambient == 0 && !emits && !lit) {
+            m_ambient = 1;
+            for (PilotVolume& volume : m_volumes) volume.showOpacity();
+        } else if (like != nullptr) {
+            for (std::size_t v = 0; v < m_volumes.size(); ++v) m_volumes[v].takeWeights(like->m_volumes[v]);
+        } else if (lit) {
+            for (PilotVolume& volume : m_volumes) volume.divide(brightest);
+        }
     }
     // All volumes have steps of about one length; or, of many volumes, the finest are taken for all.
     void chooseSteps(const PilotScene* like) {
@@ -255,16 +240,18 @@ class PilotScene {
         return way == Vec3(0) ? way : glm::normalize(way);
     }
     // What is at a point, and what texels show there if they are asked for. Of several volumes, those that are even
-    // there show the same.
-    void lookUp(const Vec3& ws, const Vec3& direction, bool texels, Stuff (&stuff)[2]) const {
-        if (m_volumes.size() == 1) {
+    // there show the same. `light`: the light whose shadows are looked up; none: the eye looks.
+    void lookUp(const Vec3& ws, const Vec3& direction, bool texels, PilotStuff (&stuff)[2],
+                std::optional<std::size_t> light = {}) const {
+        if (m_volumes.size() == 1 && (!light || m_volumes.front().castsShadow(*light))) {
             stuff[0] = m_volumes.front().at(ws);
             stuff[1] = texels ? texelsAt(m_volumes.front(), ws) : stuff[0];
             return;
         }
         forVolumesNear(ws, texels ? m_reach : 0, [&](const PilotVolume& volume) {
-            const Stuff own = volume.at(ws);
-            const bool same = !texels || volume.optics.evenAlong(ws, direction, kReach * volume.texel) >= 0;
+            if (light && !volume.castsShadow(*light)) return;
+            const PilotStuff own = volume.at(ws);
+            const bool same = !texels || volume.evenAlong(ws, direction, kReach * volume.texel) >= 0;
             stuff[0].add(own, 1);
             stuff[1].add(same ? own : texelsAt(volume, ws), 1);
         });
@@ -310,17 +297,17 @@ class PilotScene {
     // How many steps along a ray from `at` see the same values as `at`, both in the field and in texels; 0 if unknown.
     int evenSteps(const Vec3& at, const Vec3& direction, double step) const {
         if (m_volumes.size() != 1) return 0;
-        const double way = m_volumes.front().optics.evenAlong(at, direction, kReach * m_voxel);
+        const double way = m_volumes.front().evenAlong(at, direction, kReach * m_voxel);
         return way < 0 ? 0 : 1 + static_cast<int>(std::min(way / step, 1.0 * kMostSteps));
     }
     // The field as texels reconstruct it: bilinear between the four nearest texels of f - 1/12 (second differences), a
     // prefilter that makes up for the blur of the bilinear look-up. Texels at -1 and 2 of a row or column contribute
     // only through the prefilter.
-    Stuff texelsAt(const PilotVolume& volume, const Vec3& ws) const {
+    PilotStuff texelsAt(const PilotVolume& volume, const Vec3& ws) const {
         const double u = glm::dot(ws, m_u) / volume.texel, v = glm::dot(ws, m_v) / volume.texel;
         const double fu = u - std::floor(u), fv = v - std::floor(v);
         const double wu[4] = {0, 1 - fu, fu, 0}, wv[4] = {0, 1 - fv, fv, 0};
-        Stuff sum;
+        PilotStuff sum;
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) {
                 const auto at = [](const double* w, int k) { return k < 0 || k > 3 ? 0.0 : w[k]; };
@@ -329,9 +316,15 @@ class PilotScene {
                 if (weight != 0)
                     sum.add(volume.at(ws + volume.texel * ((i - 1 - fu) * m_u + (j - 1 - fv) * m_v)), weight);
             }
-        return {std::max(sum.extinction, 0.0), std::max(sum.glow, 0.0)};
+        sum.extinction = std::max(sum.extinction, 0.0);
+        sum.opacity = std::max(sum.opacity, 0.0);
+        sum.glow = std::max(sum.glow, 0.0);
+        for (double& part : sum.scattering) part = std::max(part, 0.0);
+        return sum;
     }
-    void addLight(const PilotLight& l, const Vec3& at, double jitter, bool texels, double* light) const {
+    void addLight(std::size_t number, const Vec3& at, double jitter, bool texels,
+                  std::array<double, kMostPilotLights + 1> (&light)[2]) const {
+        const PilotLight& l = m_lights[number];
         const Vec3 way = toLight(*l.light, at);
         if (way == Vec3(0)) return;
         double power = l.power, most = kFar;
@@ -353,8 +346,8 @@ class PilotScene {
             if (!m_even)
                 walk(at, way, 0, last, jitter, [&](double t, double step) {
                     const Vec3 here = at + t * way;
-                    Stuff stuff[2];
-                    lookUp(here, way, texels, stuff);
+                    PilotStuff stuff[2];
+                    lookUp(here, way, texels, stuff, number);
                     for (int i = 0; i < 2; ++i) tau[i] += stuff[i].extinction * step;
                     return std::min(tau[0], tau[1]) < kMostDepth;
                 });
@@ -363,21 +356,22 @@ class PilotScene {
                 const Vec3 here = at + t * way;
                 const int even = std::min(evenSteps(here, way, step), static_cast<int>(std::ceil((last - t) / step)));
                 const double along = std::max(even, 1) * step;
-                Stuff stuff[2];
-                lookUp(here, way, texels && even == 0, stuff);
+                PilotStuff stuff[2];
+                lookUp(here, way, texels && even == 0, stuff, number);
                 for (int i = 0; i < 2; ++i) tau[i] += stuff[i].extinction * along;
                 t += along;
             }
         }
-        for (int i = 0; i < 2; ++i) light[i] += power * std::exp(-tau[i]);
+        for (int i = 0; i < 2; ++i) light[i][number] = power * std::exp(-tau[i]);
     }
 
     RayFamily m_rays;
     Int2 m_size;
-    std::vector<PilotVolume> m_volumes;
-    Cells m_cells;  // empty if there are few volumes
     std::vector<PilotLight> m_lights;
-    const Solids* m_solids = nullptr;  // null: none that blocks light
+    std::vector<PilotVolume> m_volumes;
+    Cells m_cells;                       // empty if there are few volumes
+    const Solids* m_solids = nullptr;    // null: none that blocks light
+    const Solids* m_holdouts = nullptr;  // null: none hides volumes from the eye
     double m_ambient = 0;
     Bounds m_bounds;
     double m_voxel = 1;
@@ -404,7 +398,7 @@ Vec3 pilotPlace(int i) {
 }
 
 PilotSight pilotSight(const ViewScene& given, int rays) {
-    const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostLights));
+    const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostPilotLights));
     const PilotScene pilots(scene);
     struct Ray {
         PilotScene::Seen seen;
@@ -452,7 +446,9 @@ struct PilotRadiance {
     };
 
     PilotRadiance(const ViewScene& given, int count)
-        : scene(withFewSubLights(given, static_cast<int>(kMostLights))), pilots(scene), seen(look(pilots, count)) {}
+        : scene(withFewSubLights(given, static_cast<int>(kMostPilotLights))),
+          pilots(scene),
+          seen(look(pilots, count)) {}
 
     // What each ray sees; 0 where nothing is visible.
     static std::vector<Ray> look(const PilotScene& through, int count) {
@@ -474,7 +470,7 @@ CoarserPilot::CoarserPilot(const ViewScene& scene, int rays)
 CoarserPilot::~CoarserPilot() = default;
 
 double CoarserPilot::error(const ViewScene& coarser) const {
-    const ViewScene scene = withFewSubLights(coarser, static_cast<int>(kMostLights));
+    const ViewScene scene = withFewSubLights(coarser, static_cast<int>(kMostPilotLights));
     const PilotScene pilots(scene, &m_rays->pilots);
     const std::vector<PilotRadiance::Ray> seen = PilotRadiance::look(pilots, static_cast<int>(m_rays->seen.size()));
     // Of radiance, and of alpha, which shows edges where there is little light.
@@ -496,7 +492,7 @@ double CoarserPilot::error(const ViewScene& coarser) const {
 }
 
 double pilotError(const ViewScene& given, int rays, int mostRays) {
-    const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostLights));
+    const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostPilotLights));
     constexpr int kTasks = 8, kMostTries = 16;
     struct Sums {
         double squares = 0, fourths = 0, values = 0;

@@ -14,6 +14,7 @@
 #include <scrim/verify/light_cell_pilot.h>
 #include <scrim/verify/pilot_picture.h>
 #include <scrim/verify/pilot_rays.h>
+#include <scrim/verify/pilot_volume.h>
 #include <scrim/verify/wide_lights.h>
 
 #include <algorithm>
@@ -237,7 +238,7 @@ double meanSlant(const ViewScene& scene) {
         if (!light.shadows) continue;
         const Vec3 way = light.distant() ? light.wsDirection : ws.center() - light.wsPosition;
         const double lengths = glm::length(eye) * glm::length(way);
-        const double power = largest(light.intensity);
+        const double power = irradianceAt(light, ws);
         if (!(lengths > 0)) continue;
         const double cosine = std::min(std::abs(glm::dot(eye, way)) / lengths, 1.0);
         sum += power * std::sqrt((1 - cosine) / (1 + cosine));  // tangent of half the angle
