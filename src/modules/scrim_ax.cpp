@@ -135,16 +135,26 @@ std::vector<AxProblem> misuses(const ax::ast::Tree& tree, const std::vector<AxUs
     return problems;
 }
 
-/// Problems of functions that work on points only. The compiler refuses them without a name or a place.
-std::vector<AxProblem> pointCalls(const ax::ast::Tree& tree, Log& log) {
-    static constexpr std::string_view kNames[] = {"addtogroup", "deletepoint", "ingroup", "removefromgroup"};
+/// Problems of functions that work on points only, which the compiler refuses without a name or a place, and of numbers
+/// drawn without a seed, which differ in every run, so that tiles and frames would not match.
+std::vector<AxProblem> wrongCalls(const ax::ast::Tree& tree, Log& log) {
+    static constexpr std::string_view kOfPoints[] = {"addtogroup", "deletepoint", "ingroup", "removefromgroup"};
+    static constexpr std::string_view kDrawn[] = {"rand", "rand32"};
+    const auto isOneOf = [](const auto& names, const std::string& name) {
+        return std::find(std::begin(names), std::end(names), name) != std::end(names);
+    };
     std::vector<const ax::ast::FunctionCall*> calls;
     ax::ast::collectNodeType<ax::ast::FunctionCall>(tree, calls);
     for (const auto* call : calls) {
-        if (std::find(std::begin(kNames), std::end(kNames), call->name()) == std::end(kNames)) continue;
         const AxProblem place = log.placeOf(*call);
-        return {{fmt::format("{}() works on points; expected functions of voxels", call->name()), place.line,
-                 place.column}};
+        if (isOneOf(kOfPoints, call->name()))
+            return {{fmt::format("{}() works on points; expected functions of voxels", call->name()), place.line,
+                     place.column}};
+        if (isOneOf(kDrawn, call->name()) && call->empty())
+            return {{fmt::format("{0}() differs in every run; expected a seed, as in {0}(dot(getcoord(), {{1, 131, "
+                                 "17161}}))",
+                                 call->name()),
+                     place.line, place.column}};
     }
     return {};
 }
@@ -231,7 +241,7 @@ scrim::AxCompiled compileParsed(const std::string& code, const std::vector<scrim
     if (!tree) return {nullptr, places.take()};
     std::vector<AxUse> uses = usesOf(*tree, places);
     if (auto problems = misuses(*tree, uses, variables, places); !problems.empty()) return {nullptr, problems};
-    if (auto problems = pointCalls(*tree, places); !problems.empty()) return {nullptr, problems};
+    if (auto problems = wrongCalls(*tree, places); !problems.empty()) return {nullptr, problems};
     Log log;
     const auto sound = ax::ast::parse(code.c_str(), log.logger());
     avoidWholeExponents(*sound);

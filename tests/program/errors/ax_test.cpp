@@ -100,6 +100,9 @@ TEST_F(Ax, MistakesHaveAPlaceInTheScene) {
     for (const std::string name : {"addtogroup", "deletepoint", "ingroup", "removefromgroup"})
         expectError("ax = '''f@density = 1; " + name + (name == "deletepoint" ? "()" : "(\"g\")") + ";'''",
                     "scene.toml:8:24: " + name + "() works on points; expected functions of voxels");
+    expectError(
+        "ax = 'f@density = rand();'",
+        "scene.toml:8:19: rand() differs in every run; expected a seed, as in rand(dot(getcoord(), {1, 131, 17161}))");
     scene("");
     expectFailure({"render", "scene.toml", "-o", "out.exr", "--set", "volume.volume1.ax=f@density=;"}, 3,
                   "--set volume.volume1.ax: line 1, column 11: unexpected SEMICOLON");
