@@ -147,7 +147,7 @@ class PilotScene {
         double depth = 0;
         for (const PilotVolume& volume : m_volumes)
             for (int k = 0; k < kVoxelsAtEye; ++k)
-                depth += std::max(volume.at(origin + (k + 0.5) * m_voxel * direction).extinction, 0.0) * m_voxel;
+                depth += std::max(volume.extinction(origin + (k + 0.5) * m_voxel * direction), 0.0) * m_voxel;
         return depth;
     }
 
@@ -241,19 +241,20 @@ class PilotScene {
     }
     // What is at a point, and what texels show there if they are asked for. Of several volumes, those that are even
     // there show the same. `light`: the light whose shadows are looked up; none: the eye looks.
-    void lookUp(const Vec3& ws, const Vec3& direction, bool texels, PilotStuff (&stuff)[2],
+    template <class Stuff>
+    void lookUp(const Vec3& ws, const Vec3& direction, bool texels, Stuff (&stuff)[2],
                 std::optional<std::size_t> light = {}) const {
         if (m_volumes.size() == 1 && (!light || m_volumes.front().castsShadow(*light))) {
-            stuff[0] = m_volumes.front().at(ws);
-            stuff[1] = texels ? texelsAt(m_volumes.front(), ws) : stuff[0];
+            stuff[0] = Stuff::at(m_volumes.front(), ws);
+            stuff[1] = texels ? texelsAt<Stuff>(m_volumes.front(), ws) : stuff[0];
             return;
         }
         forVolumesNear(ws, texels ? m_reach : 0, [&](const PilotVolume& volume) {
             if (light && !volume.castsShadow(*light)) return;
-            const PilotStuff own = volume.at(ws);
+            const Stuff own = Stuff::at(volume, ws);
             const bool same = !texels || volume.evenAlong(ws, direction, kReach * volume.texel) >= 0;
             stuff[0].add(own, 1);
-            stuff[1].add(same ? own : texelsAt(volume, ws), 1);
+            stuff[1].add(same ? own : texelsAt<Stuff>(volume, ws), 1);
         });
     }
     // Calls visit(volume) for those in whose box a point is, or less than `reach` beside it.
@@ -303,23 +304,21 @@ class PilotScene {
     // The field as texels reconstruct it: bilinear between the four nearest texels of f - 1/12 (second differences), a
     // prefilter that makes up for the blur of the bilinear look-up. Texels at -1 and 2 of a row or column contribute
     // only through the prefilter.
-    PilotStuff texelsAt(const PilotVolume& volume, const Vec3& ws) const {
+    template <class Stuff>
+    Stuff texelsAt(const PilotVolume& volume, const Vec3& ws) const {
         const double u = glm::dot(ws, m_u) / volume.texel, v = glm::dot(ws, m_v) / volume.texel;
         const double fu = u - std::floor(u), fv = v - std::floor(v);
         const double wu[4] = {0, 1 - fu, fu, 0}, wv[4] = {0, 1 - fv, fv, 0};
-        PilotStuff sum;
+        Stuff sum;
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) {
                 const auto at = [](const double* w, int k) { return k < 0 || k > 3 ? 0.0 : w[k]; };
                 const double around = wv[j] * (at(wu, i - 1) + at(wu, i + 1)) + wu[i] * (at(wv, j - 1) + at(wv, j + 1));
                 const double weight = wu[i] * wv[j] * (1 + 4.0 / 12) - around / 12;
                 if (weight != 0)
-                    sum.add(volume.at(ws + volume.texel * ((i - 1 - fu) * m_u + (j - 1 - fv) * m_v)), weight);
+                    sum.add(Stuff::at(volume, ws + volume.texel * ((i - 1 - fu) * m_u + (j - 1 - fv) * m_v)), weight);
             }
-        sum.extinction = std::max(sum.extinction, 0.0);
-        sum.opacity = std::max(sum.opacity, 0.0);
-        sum.glow = std::max(sum.glow, 0.0);
-        for (double& part : sum.scattering) part = std::max(part, 0.0);
+        sum.cutBelowZero();
         return sum;
     }
     void addLight(std::size_t number, const Vec3& at, double jitter, bool texels,
@@ -346,7 +345,7 @@ class PilotScene {
             if (!m_even)
                 walk(at, way, 0, last, jitter, [&](double t, double step) {
                     const Vec3 here = at + t * way;
-                    PilotStuff stuff[2];
+                    PilotShade stuff[2];
                     lookUp(here, way, texels, stuff, number);
                     for (int i = 0; i < 2; ++i) tau[i] += stuff[i].extinction * step;
                     return std::min(tau[0], tau[1]) < kMostDepth;
@@ -356,7 +355,7 @@ class PilotScene {
                 const Vec3 here = at + t * way;
                 const int even = std::min(evenSteps(here, way, step), static_cast<int>(std::ceil((last - t) / step)));
                 const double along = std::max(even, 1) * step;
-                PilotStuff stuff[2];
+                PilotShade stuff[2];
                 lookUp(here, way, texels && even == 0, stuff, number);
                 for (int i = 0; i < 2; ++i) tau[i] += stuff[i].extinction * along;
                 t += along;

@@ -73,14 +73,6 @@ std::vector<PilotLight> brightestLights(const ViewScene& scene) {
     return lights;
 }
 
-void PilotStuff::add(const PilotStuff& o, double weight) {
-    extinction += weight * o.extinction;
-    opacity += weight * o.opacity;
-    shown += weight * o.shown;
-    glow += weight * o.glow;
-    for (std::size_t i = 0; i < scattering.size(); ++i) scattering[i] += weight * o.scattering[i];
-}
-
 PilotVolume::PilotVolume(const ViewVolume& volume, FieldSamplers& samplers, const ViewScene& scene,
                          const std::vector<PilotLight>& lights)
     : m_optics(volume, Kernel::linear, samplers),

@@ -6,6 +6,7 @@
 #include <scrim/scene/optics.h>
 #include <scrim/scene/view_scene.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -28,6 +29,8 @@ double irradianceAt(const Light& light, const Bounds& ws);
 /// scene must outlive them.
 std::vector<PilotLight> brightestLights(const ViewScene& scene);
 
+class PilotVolume;
+
 /// Coefficients at a point, per world unit, of one colour.
 struct PilotStuff {
     double extinction = 0;
@@ -38,7 +41,27 @@ struct PilotStuff {
     /// Scattering towards the eye of each of the pilot's lights, relative to even scattering, and of ambient light.
     std::array<double, kMostPilotLights + 1> scattering = {};
 
-    void add(const PilotStuff& o, double weight);
+    void add(const PilotStuff& o, double weight) {
+        extinction += weight * o.extinction;
+        opacity += weight * o.opacity;
+        shown += weight * o.shown;
+        glow += weight * o.glow;
+        for (std::size_t i = 0; i < scattering.size(); ++i) scattering[i] += weight * o.scattering[i];
+    }
+    void cutBelowZero() {
+        for (double* value : {&extinction, &opacity, &shown, &glow}) *value = std::max(*value, 0.0);
+        for (double& value : scattering) value = std::max(value, 0.0);
+    }
+    static PilotStuff at(const PilotVolume& volume, const Vec3& ws);
+};
+
+/// What light that is not scattered meets of these.
+struct PilotShade {
+    double extinction = 0;
+
+    void add(const PilotShade& o, double weight) { extinction += weight * o.extinction; }
+    void cutBelowZero() { extinction = std::max(extinction, 0.0); }
+    static PilotShade at(const PilotVolume& volume, const Vec3& ws);
 };
 
 class PilotVolume {
@@ -48,6 +71,7 @@ class PilotVolume {
                 const std::vector<PilotLight>& lights);
 
     PilotStuff at(const Vec3& ws) const;
+    double extinction(const Vec3& ws) const { return m_extinction * m_optics.mostExtinction(ws); }
     /// VolumeOptics::evenAlong of extinction and scattering.
     double evenAlong(const Vec3& ws, const Vec3& way, double reach) const {
         return m_grid ? -1 : m_optics.evenAlong(ws, way, reach);
@@ -79,5 +103,13 @@ class PilotVolume {
     std::array<bool, kMostPilotLights> m_shadows = {};
     bool m_grid = false;  // the albedo is one
 };
+
+inline PilotStuff PilotStuff::at(const PilotVolume& volume, const Vec3& ws) {
+    return volume.at(ws);
+}
+
+inline PilotShade PilotShade::at(const PilotVolume& volume, const Vec3& ws) {
+    return {volume.extinction(ws)};
+}
 
 }  // namespace scrim
