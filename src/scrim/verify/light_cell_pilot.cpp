@@ -109,16 +109,18 @@ std::optional<LightCellChoice> largerLightCells(const ViewScene& given, double e
     const auto errorOf = [&](double difference, double larger) {
         return larger > 1 ? kOfDifference * difference * std::pow(larger / kCoarse, kOrder) : 0;
     };
+    // The least time counts, and where it is about the same, the least error.
+    constexpr double kClearly = 0.9;
     std::optional<LightCellChoice> best;
-    double least = cellLightSeconds(scene, plan);
+    double least = kClearly * cellLightSeconds(scene, plan);
     for (const double smallest : {1.0, std::numbers::sqrt2, 2.0})
         for (const double others : {1.0, std::numbers::sqrt2, 2.0}) {
             const double expected = errorOf(ofSmallest, smallest) + errorOf(ofOthers, others);
-            if (expected > error || (smallest == 1 && others == 1)) continue;
+            if (expected > error) continue;
             const ViewScene larger = withLarger(scene, planned, smallest, others);
             const double seconds = cellLightSeconds(larger, planCellLights(larger));
-            if (seconds >= least) continue;
-            least = seconds;
+            if (seconds > least || (best && seconds > kClearly * least && expected >= best->expected)) continue;
+            least = std::min(least, seconds);
             best = {std::round(100 * smallest * planned) / 100, std::round(100 * others) / 100, expected};
         }
     return best;
