@@ -4,6 +4,7 @@
 #include <scrim/base/parallel.h>
 #include <scrim/engine/cells/cell_media.h>
 #include <scrim/engine/lamps/lamp.h>
+#include <scrim/engine/lamps/path_past_lamp.h>
 
 #include <algorithm>
 #include <array>
@@ -56,6 +57,7 @@ LampField::LampField(const LampView& view, std::shared_ptr<const CellGrid> cells
         if (radiusOfSphere(lamp()) > 0 && !octave.phase.isotropic())
             part.caps = std::make_shared<const PhaseOverCaps>(octave.phase, 0.5 * std::numbers::pi);
         m_even = m_even && octave.phase.isotropic();
+        m_lobe = std::min(m_lobe, lobeWidth(octave.phase));
         m_parts.push_back(std::move(part));
     }
     if (lamp().luminaire) m_frame = lightFrame(lamp());
@@ -182,21 +184,6 @@ double LampField::decay(double r2) const {
     return lamp().point().decay ? 1 / std::max(r2, std::pow(lamp().point().radius, 2)) : 1;
 }
 
-// The mean of the luminaire's profile over a path as meanDecay has it, weighted by 1/r^2: close to the lamp its
-// direction turns within a sheet. The weight is even in the angle under which the lamp sees the path.
-double LampField::meanProfile(const Vec3& way, const Vec3& path) const {
-    if (!lamp().luminaire) return 1;
-    const double t2 = glm::dot(path, path), r2 = glm::dot(way, way), t = std::sqrt(t2), d = glm::dot(way, path) / t;
-    const auto at = [&](const Vec3& v) { return luminairePart(lamp(), m_frame, v / std::max(glm::length(v), 1e-300)); };
-    if (r2 > 100 * t2) return at(way);  // to t^2 / (24 r^2) times the profile's curvature
-    const double b = std::max(std::sqrt(std::max(r2 - d * d, 0.0)), 1e-4 * grid().edge());
-    const double begin = std::atan((d - 0.5 * t) / b), end = std::atan((d + 0.5 * t) / b);
-    double sum = 0;
-    for (const auto& [u, w] : kFourPoints)
-        sum += w * at(way + (b * std::tan(begin + u * (end - begin)) - d) / t * path);
-    return sum;
-}
-
 // Turns the mean extinctions on the way from the lamp, of a part's two knots, into the part's light times r^2.
 void LampField::lightOf(const Part& part, const Arrival& arrival, double profile, Real (&rgb)[3]) const {
     const double sent = part.octave.share * (profile * scattered(part, arrival)) * arrival.open;
@@ -208,13 +195,17 @@ void LampField::lightOf(const Part& part, const Arrival& arrival, double profile
     }
 }
 
+// Within it a point's light is constant. A sample at the very place of a lamp must not be infinite.
+double LampField::leastRadius() const {
+    return lamp().area() ? 0 : std::max(lamp().point().radius, 1e-2 * grid().edge());
+}
+
 // The mean of 1 / max(r^2, radius^2) over a path from z = d - t/2 to d + t/2, with r^2 = b^2 + z^2 and b the distance
 // of the eye's ray from the lamp. The integral of 1 / (b^2 + z^2) is atan(z / b) / b. The value in the middle of the
 // sheet alone is wrong by any amount in sheets close to the lamp, where much of its light is.
 double LampField::meanDecay(const Vec3& way, const Vec3& path) const {
     const double t2 = glm::dot(path, path), r2 = glm::dot(way, way);
-    const double least = 1e-2 * grid().edge();  // a sample at the very place of the lamp must not be infinite
-    const double radius = lamp().area() ? 0 : std::max(lamp().point().radius, least);
+    const double radius = leastRadius(), least = 1e-2 * grid().edge();
     if (r2 > 300 * t2 && r2 > 4 * radius * radius) return 1 / r2;  // to t^2 / (4 r^2)
     const double t = std::sqrt(t2), d = glm::dot(way, path) / t;
     const double b2 = std::max(r2 - d * d, 0.0), b = std::max(std::sqrt(b2), 1e-3 * std::max(radius, least));
@@ -227,31 +218,6 @@ double LampField::meanDecay(const Vec3& way, const Vec3& path) const {
     const double sum = (within > 0 ? within / (radius * radius) : 0) + outside(begin, std::min(end, -inside)) +
                        outside(std::max(begin, inside), end);
     return sum / t;
-}
-
-// Near a sphere its solid angle and the way from it change within a sheet, too: the factor by which the mean over the
-// eye's path through the sheet, of solid angle and attenuation, differs from those in its middle, times 1/r^2 there.
-double LampField::meanNearSphere(const Vec3& way, const Vec3& path, double extinction) const {
-    const double radius2 = std::pow(radiusOfSphere(lamp()), 2), t = glm::length(path), d = glm::dot(way, path) / t;
-    const double b2 = std::max(glm::dot(way, way) - d * d, 1e-12 * radius2);
-    const double inside = std::sqrt(std::max(radius2 - b2, 0.0));  // half the way through the sphere
-    const auto light = [&](double r2) {                            // as lampAt has it, but for what the middle shares
-        const double cosine = std::sqrt(std::max(1 - radius2 / r2, 0.0));
-        return std::exp(-extinction * wayFrom(lamp(), std::sqrt(r2))) / (1 + cosine);
-    };
-    // Light changes as a square root does at the sphere, so Gauss-Legendre takes the root as its variable.
-    const auto outside = [&](double nearest, double farthest) {
-        if (farthest <= nearest) return 0.0;
-        double sum = 0;
-        for (const auto& [u, weight] : kFourPoints) {
-            const double z = nearest + (farthest - nearest) * u * u, r2 = std::max(b2 + z * z, radius2);
-            sum += 2 * u * weight * light(r2) / r2;
-        }
-        return sum * (farthest - nearest);
-    };
-    const double begin = d - 0.5 * t, end = d + 0.5 * t;
-    const double sum = outside(std::max(begin, inside), end) + outside(std::max(-end, inside), -begin);
-    return sum / (t * light(std::max(glm::dot(way, way), 1e-30)));
 }
 
 void LampField::sampleAll(const Vec3& ws, CellField::LastBlock& last, Means& means) const {
@@ -282,10 +248,31 @@ bool LampField::reaches(const Bounds& ws) const {
     return m_near == 0 || ws.distance(lamp().wsPosition) < m_near;
 }
 
-bool LampField::isNearSphere(const Vec3& way, const Vec3& path) const {
-    constexpr double kNear = 4;
-    const double radius = radiusOfSphere(lamp());
-    return radius > 0 && glm::dot(way, way) < kNear * kNear * (radius * radius + glm::dot(path, path));
+// Adds the light at a sample close to the lamp, by points of its path. What is nearer to the eye shows more.
+void LampField::addNear(const SamplePlane& plane, const SheetPath& path, double extinction, CellField::LastBlock& last,
+                        Real (&rgb)[3]) const {
+    constexpr double kMostTau = 30;  // over a path: a clamp for what no light passes
+    const Vec3& center = lamp().wsPosition;
+    const double tau = plane.towardsEye * std::min(extinction * glm::length(path.ws), kMostTau);
+    const double even = std::abs(tau) > 1e-4 ? 0.5 * tau / std::sinh(0.5 * tau) : 1;
+    const bool sphere = radiusOfSphere(lamp()) > 0;
+    const PathPastLamp points(path.wsMiddle - center, path.ws, sphere ? radiusOfSphere(lamp()) : leastRadius(), sphere,
+                              m_lobe);
+    points.forPoints([&](double place, double weight) {
+        const Vec3 ws = path.wsMiddle + place * path.ws, way = ws - center;
+        const double r = glm::length(way), seen = even * std::exp(tau * place);
+        const double profile = luminairePart(lamp(), m_frame, way / std::max(r, 1e-300));
+        const auto factor = static_cast<Real>(weight * seen * nearShare(r));
+        const Arrival arrival = arrivalAt(ws);
+        Means means;
+        sampleAll(ws, last, means);
+        for (const Part& part : m_parts) {
+            Real found[3];
+            meanOf(part, means, found);
+            lightOf(part, arrival, profile, found);
+            for (int c = 0; c < 3; ++c) rgb[c] += factor * found[c];
+        }
+    });
 }
 
 void LampField::addTo(const SamplePlane& plane, const SampleTile& samples, const Real* extinction,
@@ -298,9 +285,14 @@ void LampField::addTo(const SamplePlane& plane, const SampleTile& samples, const
         const Real share = m_near > 0 ? static_cast<Real>(nearShare(glm::length(way))) : Real(1);
         if (share == 0) continue;
         const SheetPath path(plane, samples, k, extinction[k]);
-        // What the mean over the eye's path makes of 1/r^2 and, near a sphere, of attenuation.
-        const bool near = isNearSphere(way, path.ws);
-        const double even = near ? 0 : decays ? meanDecay(way, path.ws) : 1, profile = meanProfile(way, path.ws);
+        if (decays && PathPastLamp::isNear(way, path.ws, radiusOfSphere(lamp()), lamp().luminaire.has_value())) {
+            Real found[3] = {0, 0, 0};
+            addNear(plane, path, double(extinction[k]), last, found);
+            for (int c = 0; c < 3; ++c) rgb[c][k] += found[c];
+            continue;
+        }
+        const double profile = luminairePart(lamp(), m_frame, way / std::max(glm::length(way), 1e-300));
+        const Real factor = share * static_cast<Real>(decays ? meanDecay(way, path.ws) : 1);
         Means means, farther;
         sampleAll(path.wsNear + path.wsSeen, last, means);
         const Arrival arrival = arrivalAt(path.wsNear);
@@ -312,7 +304,6 @@ void LampField::addTo(const SamplePlane& plane, const SampleTile& samples, const
         for (const Part& part : m_parts) {
             Real found[3];
             meanOf(part, means, found);
-            const Real factor = share * static_cast<Real>(near ? meanNearSphere(way, path.ws, double(found[1])) : even);
             lightOf(part, arrival, profile, found);
             if (path.thick) {
                 Real behind[3];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The light of one lamp on cells. Near a lamp irradiance, transmittance and direction change fast, but the mean
 // extinction on the way from it changes slowly. So that is what cells keep, and look-ups compute the three from it,
-// with the mean of 1/r^2 over the eye's path through a sheet.
+// with their mean over the eye's path through a sheet.
 #pragma once
 
 #include <scrim/engine/cells/cell_field.h>
@@ -14,6 +14,7 @@
 
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -90,19 +91,20 @@ class LampField {
     void sampleAll(const Vec3& ws, CellField::LastBlock& last, Means& means) const;
     static void meanOf(const Part& part, const Means& means, Real (&mean)[3]);
     void lightOf(const Part& part, const Arrival& arrival, double profile, Real (&rgb)[3]) const;
-    double meanProfile(const Vec3& way, const Vec3& path) const;
+    double leastRadius() const;
     double meanDecay(const Vec3& way, const Vec3& path) const;
-    double meanNearSphere(const Vec3& way, const Vec3& path, double extinction) const;
-    bool isNearSphere(const Vec3& way, const Vec3& path) const;
+    void addNear(const SamplePlane& plane, const SheetPath& path, double extinction, CellField::LastBlock& last,
+                 Real (&rgb)[3]) const;
 
     LampView m_view;
     std::vector<Knot> m_knots;  // with descending factors
     std::vector<Part> m_parts;
     Mat3 m_frame{1.0};  // of its luminaire
     std::shared_ptr<const CellField> m_open;
-    double m_near = 0;      // `nearby`: how far its cells reach, world units; 0: everywhere
-    bool m_hollow = false;  // the lamp is a sphere whose light begins at its surface
-    bool m_even = true;     // all octaves scatter to all sides alike
+    double m_near = 0;                 // `nearby`: how far its cells reach, world units; 0: everywhere
+    bool m_hollow = false;             // the lamp is a sphere whose light begins at its surface
+    bool m_even = true;                // all octaves scatter to all sides alike
+    double m_lobe = std::numbers::pi;  // the width of their narrowest lobe, radians
 };
 
 /// Takes from the mean extinctions of a field, each on the way of `wayTo` to a cell, what linear interpolation and
