@@ -2,10 +2,12 @@
 #include <scrim/engine/shade/lamp_on_path.h>
 
 #include <scrim/scene/light_at.h>
+#include <scrim/scene/phase_over_caps.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -17,8 +19,26 @@ namespace {
 constexpr std::pair<double, double> kThreePoints[] = {
     {-0.774596669241483, 5.0 / 9}, {0, 8.0 / 9}, {0.774596669241483, 5.0 / 9}};
 
+// Lengths of paths to distances within which 1/r^2 and the angle of scattering are as in the middle.
+constexpr double kFar = 0.25;
+
 double angleOf(double cosine) {
     return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+// Behind more than some optical depth of a path, its part in front is all that is seen.
+LampOnPath::Passage clearer(LampOnPath::Passage passage, double length) {
+    constexpr double kMostTau = 2;
+    passage.extinction = std::min(passage.extinction, kMostTau / length);
+    return passage;
+}
+
+// The part of even light that the eye sees over a path of this length, if the light's way through the sheet is `way`.
+double seenOfEven(const LampOnPath::Passage& passage, double length, double way) {
+    const double eye = passage.extinction * length, light = passage.extinction * way;
+    const auto mean = [](double tau) { return tau > 1e-6 ? -std::expm1(-tau) / tau : 1; };
+    if (passage.sameSide) return mean(eye + light);
+    return std::exp(-std::min(eye, light)) * mean(std::abs(eye - light));
 }
 
 }  // namespace
@@ -50,6 +70,17 @@ LampOnPath::LampOnPath(const NearOnSheet& light, Real texel, Real thickness)
         m_even = std::min(m_even, kOfProfile);
         m_step = m_step > 0 ? std::min(m_step, 2 * kOfProfile) : 2 * kOfProfile;
     }
+    m_limited = std::isfinite(m_even);
+    // An element of a surface is one of many, whose sum is even.
+    if (!light.face && light.decay) m_even = std::min(m_even, kFar);
+}
+
+bool LampOnPath::changes(const SampleTile& samples) const {
+    if (m_limited) return true;
+    Real steepest = 0;
+    for (int k = 0; k < kTileSize; ++k)
+        steepest = std::max(steepest, samples.eyeA[k] * samples.eyeA[k] + samples.eyeB[k] * samples.eyeB[k]);
+    return m_thickness * std::sqrt(1 + double(steepest)) > m_even * (m_plane - 0.5 * m_thickness);
 }
 
 // What the light sends to a path, relative to its intensity, times r^2 over the decay: per angle t.
@@ -85,7 +116,6 @@ Vec3 LampOnPath::fromLight(const Path& path) const {
 }
 
 LampOnPath::Course LampOnPath::courseOf(const SampleTile& samples, int k) const {
-    constexpr double kFar = 0.25;  // lengths of paths to distances within which the mean of 1/r^2 is known without this
     const Path path = pathOf(samples, k);
     const Vec3 at = fromLight(path);
     const double half = path.half * std::sqrt(1 + path.eyeA * path.eyeA + path.eyeB * path.eyeB), r = glm::length(at);
@@ -101,6 +131,7 @@ LampOnPath::Course LampOnPath::courseOf(const SampleTile& samples, int k) const 
 LampOnPath::Ray LampOnPath::rayOf(const Path& path) const {
     Ray ray{};
     ray.at = fromLight(path);
+    ray.half = path.half;
     ray.low = std::max(-path.half, -ray.at.z), ray.high = path.half;
     if (ray.high <= ray.low) return ray;
     const Vec3 way(path.eyeA, path.eyeB, 1);
@@ -127,37 +158,76 @@ LampOnPath::Ray LampOnPath::rayOf(const Path& path) const {
     return ray;
 }
 
-LampOnPath::Mean LampOnPath::over(const SampleTile& samples, int k, double fade) const {
-    constexpr double kMostFade = 2;  // over a path; behind more, its part in front is all that is seen
-    const Path path = pathOf(samples, k);
-    const Ray ray = rayOf(path);
-    if (!ray.lit) return {};
-    // What is lit evenly shows as much as its middle does.
-    const double half = 0.5 * (ray.high - ray.low), middle = ray.low + half,
-                 faded = std::clamp(fade * half, -0.5 * kMostFade, 0.5 * kMostFade);
-    const double even = std::abs(faded) > 1e-4 ? std::sinh(faded) / faded : 1;
-    const double nearest2 = ray.nearest * ray.nearest;
-    double sum = 0, places = 0;
+// In how many pieces a part of a path is to be asked. `lobe`: the width of that of a phase function, radians.
+int LampOnPath::piecesOf(const Ray& ray, double width, double lobe) const {
+    constexpr double kMost = 32, kWide = 0.5, kLobes = 2;
+    constexpr int kWithin = 4;
+    const double step = std::min(m_step > 0 ? m_step : kWide, kLobes * lobe);
+    const int pieces = static_cast<int>(std::clamp(std::ceil(width / step), 1.0, kMost));
+    const bool flat = !m_light.decay || ray.nearest * ray.nearest < double(m_light.ownRadius2);
+    return flat ? std::max(pieces, kWithin) : pieces;
+}
+
+// Calls visit(t, place, light) for some angles of a path that is lit; the sum of `light` is the integral, per angle, of
+// what the light sends and the eye sees.
+template <class Visit>
+void LampOnPath::forPoints(const Ray& ray, const Passage& passage, double lobe, const Visit& visit) const {
+    // Light that comes more aslant has come through more of the sheets before.
+    const double slant = glm::length(ray.at) / std::max(ray.at.z, m_least),
+                 perSlant = ray.at.z + ray.low > m_least ? passage.entry / slant : 0;
+    const auto seen = [&](double t, double place) {
+        constexpr double kMost = 2;  // a clamp for middles of paths that are far from where the light is
+        const double eye = (ray.half + (passage.sameSide ? place : -place)) * ray.slant;
+        // The light's way within the sheet, which begins at its face or at the light.
+        const double z = std::max(ray.at.z + place, m_least), along = ray.nearest / (std::cos(t) * z),
+                     way = along * std::clamp(place - ray.low, 0.0, z),
+                     before = std::clamp(perSlant * (along - slant), -kMost, kMost);
+        return std::exp(-passage.extinction * (eye + (passage.attenuated ? way : 0)) - before);
+    };
     for (int i = 0; i < 3; ++i) {
         const double width = ray.borders[i + 1] - ray.borders[i];
         if (width <= 0) continue;
-        constexpr int kMost = 32, kWithin = 4;
-        int pieces = m_step > 0 ? static_cast<int>(std::clamp(std::ceil(width / m_step), 1.0, double(kMost))) : 1;
-        if (!m_light.decay || nearest2 < double(m_light.ownRadius2)) pieces = std::max(pieces, kWithin);
+        const int pieces = piecesOf(ray, width, lobe);
         for (int piece = 0; piece < pieces; ++piece)
             for (const auto& [point, weight] : kThreePoints) {
                 const double step = 0.5 * width / pieces, t = ray.borders[i] + (2 * piece + 1 + point) * step;
-                const double place = ray.place(t);
-                const double light = weight * step * sent(ray, t) * std::exp(-faded * (place - middle) / half) / even;
-                sum += light;
-                places += light * place;
+                const double place = std::clamp(ray.place(t), ray.low, ray.high);
+                visit(t, place, weight * step * sent(ray, t) * seen(t, place));
             }
     }
+}
+
+LampOnPath::Mean LampOnPath::over(const SampleTile& samples, int k, const Passage& passage) const {
+    const Path path = pathOf(samples, k);
+    const Ray ray = rayOf(path);
+    if (!ray.lit) return {};
+    const Passage clear = clearer(passage, 2 * path.half * ray.slant);
+    double sum = 0, places = 0;
+    forPoints(ray, clear, std::numbers::pi, [&](double, double place, double light) {
+        sum += light;
+        places += light * place;
+    });
     if (!(sum > 0)) return {};
-    // The path is nearest dt / cos(t)^2 long, and 1/r^2 is cos(t)^2 / nearest^2.
     const double place = std::clamp(places / sum, ray.low, ray.high), z = std::max(ray.at.z + place, m_least);
-    return {sum / (ray.nearest * (ray.high - ray.low) * ray.slant), (ray.at.x + place * path.eyeA) / z,
-            (ray.at.y + place * path.eyeB) / z};
+    const double a = (ray.at.x + place * path.eyeA) / z, b = (ray.at.y + place * path.eyeB) / z;
+    const double way = clear.attenuated ? std::sqrt(1 + a * a + b * b) : 0;
+    // The path is nearest dt / cos(t)^2 long, and 1/r^2 is cos(t)^2 / nearest^2.
+    const double mean = sum / (ray.nearest * (ray.high - ray.low) * ray.slant);
+    return {mean / seenOfEven(clear, 2 * path.half * ray.slant, 2 * path.half * way), a, b};
+}
+
+double LampOnPath::phaseOver(const SampleTile& samples, int k, const Passage& passage, const Phase& phase) const {
+    const Path path = pathOf(samples, k);
+    const Ray ray = rayOf(path);
+    const double toEye = passage.sameSide ? -1 : 1;
+    double sum = 0, all = 0;
+    if (ray.lit)
+        forPoints(ray, clearer(passage, 2 * path.half * ray.slant), lobeWidth(phase),
+                  [&](double t, double, double light) {
+                      sum += light * phaseValue(phase, toEye * std::sin(t));
+                      all += light;
+                  });
+    return all > 0 ? sum / all : 0;
 }
 
 void LampOnPath::takePart(const SampleTile& samples, const Ray* rays, int i, int count, Part& out) const {

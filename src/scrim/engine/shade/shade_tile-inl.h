@@ -26,10 +26,14 @@ struct Incidence {
     alignas(64) Real slant[kTileSize];       // 1 / cos of its angle to w
     alignas(64) Real irradiance[kTileSize];  // before attenuation, relative to intensity
     alignas(64) Real tint[3 * kTileSize];    // factor by the light's slide, if it has one
+    // The samples along whose paths the light turns (see LampOnPath).
+    int turning = 0;
+    int turns[kTileSize];
 };
 
 HWY_ATTR void meetDistant(const DistantOnSheet& light, Incidence& in) {
     const DF d;
+    in.turning = 0;
     const auto a = constant(light.slopeA), b = constant(light.slopeB);
     const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, constant(1))));
     forSamples([&](int k) HWY_ATTR {
@@ -176,20 +180,29 @@ HWY_ATTR HWY_INLINE double extinctionAt(const ShadeInput& input, int k) {
     return sum;
 }
 
+// What sample k leaves of a light of the input.
+HWY_ATTR LampOnPath::Passage passageAt(const ShadeInput& input, const SheetLight& light, int k) {
+    LampOnPath::Passage passage{extinctionAt(input, k), light.shadowed && light.withinSheet, input.sameSide};
+    if (!light.shadowed || input.tauOut) return passage;
+    const Real* tau = input.tauAtEntry(std::size_t(&light - input.lights.data()));
+    for (int r = 0; r < input.channels; ++r) passage.entry += double(tau[r * kTileSize + k]);
+    return passage;
+}
+
 // Where the light sees much of a path at once, its mean over the path counts. Only what has extinction is asked.
-HWY_ATTR void meetAlongPaths(const ShadeInput& input, const NearOnSheet& light, bool attenuated, Incidence& in) {
-    const LampOnPath lamp(light, input.texel, input.thickness);
-    for (int k = 0; lamp.limited() && k < kTileSize; ++k) {
+HWY_ATTR void meetAlongPaths(const ShadeInput& input, const SheetLight& light, Incidence& in) {
+    const LampOnPath lamp(*light.near(), input.texel, input.thickness);
+    if (!lamp.changes(*input.samples)) return;
+    for (int k = 0; k < kTileSize; ++k) {
         const LampOnPath::Course course = lamp.courseOf(*input.samples, k);
         if (course == LampOnPath::Course::dark) in.irradiance[k] = 0;
         if (course != LampOnPath::Course::changing) continue;
-        const double extinction = extinctionAt(input, k);
-        if (extinction == 0) continue;
-        const double a = double(input.samples->eyeA[k]), b = double(input.samples->eyeB[k]);
-        const double eye = std::sqrt(1 + a * a + b * b), way = attenuated ? double(in.slant[k]) : 0;
-        const LampOnPath::Mean mean = lamp.over(*input.samples, k, extinction * (way + (input.sameSide ? eye : -eye)));
+        const LampOnPath::Passage passage = passageAt(input, light, k);
+        if (passage.extinction == 0) continue;
+        const LampOnPath::Mean mean = lamp.over(*input.samples, k, passage);
         in.irradiance[k] = static_cast<Real>(mean.irradiance);
         if (mean.irradiance == 0) continue;
+        in.turns[in.turning++] = k;
         in.a[k] = static_cast<Real>(mean.a);
         in.b[k] = static_cast<Real>(mean.b);
         in.slant[k] = static_cast<Real>(std::sqrt(1 + mean.a * mean.a + mean.b * mean.b));
@@ -215,12 +228,14 @@ HWY_ATTR bool tintAlongPaths(const ShadeInput& input, const SheetLight& light, R
 }
 
 // A light that shines from a point, with all that limits it.
-HWY_ATTR void meetNear(const ShadeInput& input, const NearOnSheet& light, bool attenuated, Incidence& in) {
+HWY_ATTR void meetNear(const ShadeInput& input, const SheetLight& of, Incidence& in) {
+    const NearOnSheet& light = *of.near();
+    in.turning = 0;
     meetPoint(input, light, in);
     if (light.cone) limitToCone(light, *light.cone, in);
     if (light.profile) applyProfile(*light.profile, in);
     if (light.face) limitToFront(light, *light.face, in);
-    meetAlongPaths(input, light, attenuated, in);
+    meetAlongPaths(input, of, in);
     if (light.window) limitToWindow(*light.window, in);
 }
 
@@ -298,6 +313,21 @@ HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add
     }
 }
 
+// As withPhase, with the mean of the phase function over paths along which the light turns.
+template <class Add>
+HWY_ATTR HWY_INLINE void withMeanPhase(const Phase& phase, const Lit& lit, const Add& add) {
+    const DF d;
+    const ShadeInput& input = *lit.input;
+    alignas(64) Real values[kTileSize];
+    withPhase(phase, lit, [&](int k, VF value) HWY_ATTR { hn::Store(value, d, values + k); });
+    const LampOnPath lamp(*lit.light->near(), input.texel, input.thickness);
+    for (int i = 0; i < lit.in->turning; ++i) {
+        const int k = lit.in->turns[i];
+        values[k] = static_cast<Real>(lamp.phaseOver(*input.samples, k, passageAt(input, *lit.light, k), phase));
+    }
+    forSamples([&](int k) HWY_ATTR { add(k, load(values, k)); });
+}
+
 // Adds scattered light. `kTinted`: the light has a slide (ZC02 eq. 9: its intensity is a vector that varies from place
 // to place). `kPerChannel`: channels differ by more than a factor, because extinction is coloured or the albedo is a
 // grid.
@@ -306,7 +336,7 @@ HWY_ATTR void addScattered(const Lit& lit, const SheetMedium& medium, const Phas
     const DF d;
     Real weight[3];
     for (int c = 0; c < 3; ++c) weight[c] = part * lit.light->intensity[c] * medium.albedo[c];
-    withPhase(phase, lit, [&](int k, VF value) HWY_ATTR {
+    const auto addPhase = [&](int k, VF value) HWY_ATTR {
         const auto scattered = [&](int c)
                                    HWY_ATTR { return hn::Mul(load(medium.scatter[c], k), load(lit.amount[c], k)); };
         const auto shared = hn::Mul(scattered(0), value);
@@ -319,7 +349,11 @@ HWY_ATTR void addScattered(const Lit& lit, const SheetMedium& medium, const Phas
         add(0);
         add(1);
         add(2);
-    });
+    };
+    if (lit.in->turning == 0 || phase.isotropic() || lit.caps)
+        withPhase(phase, lit, addPhase);
+    else
+        withMeanPhase(phase, lit, addPhase);
 }
 
 // x^exponent for x in [0, 1]; 0 at 0.

@@ -155,7 +155,7 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
     if (const DistantOnSheet* sun = light.distant())
         meetDistant(*sun, w.in);
     else
-        meetNear(input, *light.near(), light.shadowed && light.withinSheet, w.in);
+        meetNear(input, light, w.in);
     if (input.unblocked) scale(input.unblocked + index * kTileSize, w.in.irradiance);
     w.done.lightLookups += kTileSize;
 

@@ -17,7 +17,7 @@ namespace scrim::test {
 namespace {
 
 constexpr float kTexel = 0.7f, kThickness = 0.9f;
-constexpr int kPoints = 20'000;
+constexpr int kPoints = 3000;
 
 class Draw {
   public:
@@ -92,9 +92,18 @@ void alongPath(const Visit& visit) {
     for (int i = 0; i < kPoints; ++i) visit((double(i + 0.5) / kPoints - 0.5) * double(kThickness));
 }
 
+// What a sheet leaves of light at a place on the path of sample k, that comes along `way`.
+double seen(const LampOnPath::Passage& passage, const SampleTile& samples, int k, double place, const Vec3& way) {
+    const double a = double(samples.eyeA[k]), b = double(samples.eyeB[k]), in = 0.5 * double(kThickness) + place;
+    const double eye = (passage.sameSide ? in : double(kThickness) - in) * std::sqrt(1 + a * a + b * b);
+    return std::exp(-passage.extinction * (eye + (passage.attenuated ? in * glm::length(way) / way.z : 0)));
+}
+
 // Means over all paths that the lamp sees much of, beside sums, relative to the RMS of these. Three points of Gauss
 // for each part of a cone have errors of some thousandths of the light.
-void expectMeans(const std::function<NearOnSheet(Draw&)>& make, double fade, double most, const std::string& name) {
+void expectMeans(const std::function<NearOnSheet(Draw&)>& make, const LampOnPath::Passage& passage, double most,
+                 const std::string& name) {
+    const bool dims = name != "point";
     double squares = 0, all = 0;
     int asked = 0, dark = 0;
     for (unsigned seed = 1; seed <= 12; ++seed) {
@@ -103,30 +112,32 @@ void expectMeans(const std::function<NearOnSheet(Draw&)>& make, double fade, dou
         const auto samples = someSamples(draw);
         const LampOnPath onPath(lamp, kTexel, kThickness);
         for (int k = 0; k < kTileSize; k += 3) {
-            double sum = 0;
+            const LampOnPath::Course course = onPath.courseOf(*samples, k);
+            if (course == LampOnPath::Course::even) continue;
+            const LampOnPath::Mean mean = onPath.over(*samples, k, passage);
+            double sum = 0, even = 0;
             alongPath([&](double place) {
                 const Vec3 way = wayTo(lamp, *samples, k, place);
-                if (way.z > 0) sum += lightAt(lamp, way) * std::exp(-fade * place) / kPoints;
+                if (way.z > 0) sum += lightAt(lamp, way) * seen(passage, *samples, k, place, way) / kPoints;
+                even += seen(passage, *samples, k, place, {mean.a, mean.b, 1}) / kPoints;
             });
-            const LampOnPath::Course course = onPath.courseOf(*samples, k);
             if (course == LampOnPath::Course::dark) {
                 EXPECT_EQ(sum, 0) << name << ", seed " << seed << ", sample " << k;
                 ++dark;
             }
             if (course != LampOnPath::Course::changing) continue;
-            const double even = fade == 0 ? 1 : std::sinh(0.5 * fade * kThickness) / (0.5 * fade * kThickness);
-            squares += std::pow(onPath.over(*samples, k, fade).irradiance - sum / even, 2);
+            squares += std::pow(mean.irradiance - sum / even, 2);
             all += std::pow(sum / even, 2);
             ++asked;
         }
     }
     EXPECT_GT(asked, 100) << name;
-    EXPECT_GT(dark, name == "profile" ? -1 : 50) << name;
+    EXPECT_GT(dark, dims ? 50 : -1) << name;
     EXPECT_LE(std::sqrt(squares / all), most) << name;
 }
 
 TEST(LampOnPath, OfASpotIsTheMeanOverThePath) {
-    expectMeans(spot, 0, 0.005, "spot");
+    expectMeans(spot, {}, 0.005, "spot");
 }
 
 TEST(LampOnPath, OfASpotThatDoesNotDecayIsTheMeanOverThePath) {
@@ -135,7 +146,7 @@ TEST(LampOnPath, OfASpotThatDoesNotDecayIsTheMeanOverThePath) {
         lamp.decay = false;
         return lamp;
     };
-    expectMeans(make, 0, 0.005, "no decay");
+    expectMeans(make, {}, 0.005, "no decay");
 }
 
 TEST(LampOnPath, OfASpotWithARadiusIsTheMeanOverThePath) {
@@ -144,7 +155,7 @@ TEST(LampOnPath, OfASpotWithARadiusIsTheMeanOverThePath) {
         lamp.ownRadius2 = static_cast<Real>(std::pow(draw.in(0.1, 1), 2));
         return lamp;
     };
-    expectMeans(make, 0, 0.01, "radius");
+    expectMeans(make, {}, 0.01, "radius");
 }
 
 TEST(LampOnPath, OfASpreadIsTheMeanOverThePath) {
@@ -154,12 +165,51 @@ TEST(LampOnPath, OfASpreadIsTheMeanOverThePath) {
         lamp.face = {static_cast<Real>(spread.tangent()), static_cast<Real>(spread.scale())};
         return lamp;
     };
-    expectMeans(make, 0, 0.005, "spread");
+    expectMeans(make, {}, 0.005, "spread");
 }
 
-// What is lit farther along shows less; a path that is lit evenly shows as much as its middle.
+TEST(LampOnPath, OfAPointIsTheMeanOverThePath) {
+    expectMeans(someLamp, {}, 0.001, "point");
+}
+
+// What the eye or the light reaches later shows less, relative to even light.
 TEST(LampOnPath, FadesAlongThePath) {
-    for (const double fade : {-0.8, 0.8}) expectMeans(spot, fade, 0.005, "fade");
+    for (const bool attenuated : {false, true})
+        for (const bool sameSide : {false, true}) {
+            expectMeans(spot, {0.4, attenuated, sameSide}, 0.005, "fade");
+            expectMeans(someLamp, {0.4, attenuated, sameSide}, 0.005, "point");
+        }
+}
+
+// Beside a sum over many points of paths close to a point.
+TEST(LampOnPath, WeighsThePhaseFunctionByTheLight) {
+    double squares = 0, all = 0;
+    for (const double g : {0.6, -0.6, 0.9})
+        for (unsigned seed = 1; seed <= 6; ++seed) {
+            Draw draw(seed);
+            const NearOnSheet lamp = someLamp(draw);
+            const auto samples = someSamples(draw);
+            const LampOnPath onPath(lamp, kTexel, kThickness);
+            const Phase phase{g};
+            const LampOnPath::Passage passage{0.4, true, seed % 2 == 0};
+            for (int k = 0; k < kTileSize; k += 3) {
+                if (onPath.courseOf(*samples, k) != LampOnPath::Course::changing) continue;
+                const Vec3 eye = glm::normalize(Vec3(double(samples->eyeA[k]), double(samples->eyeB[k]), 1));
+                double light = 0, scattered = 0;
+                alongPath([&](double place) {
+                    const Vec3 way = wayTo(lamp, *samples, k, place);
+                    if (way.z <= 0) return;
+                    const double cosine = glm::dot(way, eye) / glm::length(way);
+                    const double here = lightAt(lamp, way) * seen(passage, *samples, k, place, way);
+                    light += here;
+                    scattered += here * phaseValue(phase, passage.sameSide ? -cosine : cosine);
+                });
+                squares += std::pow(onPath.phaseOver(*samples, k, passage, phase) - scattered / light, 2);
+                all += std::pow(scattered / light, 2);
+            }
+        }
+    EXPECT_GT(all, 0);
+    EXPECT_LE(std::sqrt(squares / all), 0.002);
 }
 
 // The fraction of a spot's light beyond a plane across w: of six parts of each path those that cross the plane count by
@@ -202,12 +252,14 @@ TEST(LampOnPath, WeighsWhatTheLightMeetsByTheLight) {
     EXPECT_LE(std::sqrt(squares / asked), 0.02);
 }
 
-// Nothing limits a plain point, and a beam that is far away hardly changes within a sheet.
+// Nothing limits a plain point, and what is far away hardly changes within a sheet.
 TEST(LampOnPath, AsksForNoMeanWhereThereIsLittleToSee) {
     Draw draw(3);
     const auto samples = someSamples(draw);
     NearOnSheet lamp = someLamp(draw);
     EXPECT_FALSE(LampOnPath(lamp, kTexel, kThickness).limited());
+    lamp.distanceW = 1e4f;
+    EXPECT_FALSE(LampOnPath(lamp, kTexel, kThickness).changes(*samples));
     lamp = spot(draw);
     lamp.distanceW = 1e4f;
     const LampOnPath far(lamp, kTexel, kThickness);
