@@ -175,7 +175,10 @@ Fields LoadedShot::fieldsAt(double t) const {
 }
 
 ViewScene LoadedShot::viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf) const {
-    Scene at = sceneAt(t);
+    return viewOf(sceneAt(t), t, options, lod, volumesOf);
+}
+
+ViewScene LoadedShot::viewOf(Scene at, double t, const RenderOptions& options, double lod, VolumesOf volumesOf) const {
     at.dials.lod = lod;
     ViewScene view = assemble(at, fieldsAt(t), options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf,
                               levels.get());

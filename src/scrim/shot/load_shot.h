@@ -54,6 +54,8 @@ struct LoadedShot {
     /// The scene `t` frames after the frame, with its fields where the files have them and without the data of the
     /// layer `motion`. `lod` is the dial's value.
     ViewScene viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf) const;
+    /// The same of `at`, a scene of that time.
+    ViewScene viewOf(Scene at, double t, const RenderOptions& options, double lod, VolumesOf volumesOf) const;
 
     /// The scene that the engine renders, with `lod` as the dial's value. Throws Error(memory) where volumes and slides
     /// leave nothing of the options' limit.

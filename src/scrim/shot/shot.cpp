@@ -13,6 +13,7 @@
 #include <scrim/shot/frame_output.h>
 #include <scrim/shot/frame_report.h>
 #include <scrim/shot/render_shot.h>
+#include <scrim/shot/keyed_light.h>
 #include <scrim/shot/shot_content.h>
 #include <scrim/shot/view_motion.h>
 #include <scrim/guard/guarded_load.h>
@@ -184,11 +185,15 @@ std::optional<LoadedShot> Shot::Content::loadOnce(Scene scene, const RenderOptio
     };
     auto loaded = loadShot(*stores, load, std::move(scene), heard, volumesOf, use);
     said.clear();
-    if (loaded && text && (loaded->scene.movesWithin || (loaded->scene.movesOn && wantsMotion(loaded->scene))))
-        loaded->textAt = [this, &options, frame = static_cast<int>(loaded->scene.frame)](double t) {
+    if (loaded) keepText(*loaded, options);
+    return loaded;
+}
+
+void Shot::Content::keepText(LoadedShot& loaded, const RenderOptions& options) {
+    if (text && (loaded.scene.movesWithin || (loaded.scene.movesOn && wantsMotion(loaded.scene))))
+        loaded.textAt = [this, &options, frame = static_cast<int>(loaded.scene.frame)](double t) {
             return withOptions(text->at(frame, stores->colour, t), options, *stores);
         };
-    return loaded;
 }
 
 double Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, ShotUse use) {
@@ -206,8 +211,14 @@ double Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Sh
         try {
             if (frame != static_cast<int>(scene.frame))
                 richest = withOptions(sceneAt(frame, options), options, *stores);
-            const auto loaded = loadShot(*stores, load, std::move(richest), whole, VolumesOf::picture, use);
+            auto loaded = loadShot(*stores, load, std::move(richest), whole, VolumesOf::picture, use);
             if (!loaded) return 0;
+            if (const auto& shutter = loaded->scene.shutter) {
+                // A light may be out at the frame itself.
+                keepText(*loaded, whole);
+                KeyedLight(*loaded, shutter->open, shutter->close)
+                    .average(shutter->open, shutter->close, loaded->scene);
+            }
             const auto viewAt = [&](double lod) { return loaded->view(whole, lod, VolumesOf::picture); };
             const bool chooses = scene.keepsPromise && !loaded->scene.dials.lod;
             timed(pilots, [&] {

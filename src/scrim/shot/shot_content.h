@@ -37,6 +37,8 @@ struct Shot::Content {
     double keepPromise(Scene& scene, const RenderOptions& options, ShotUse use);
     /// As loadShot, but without the messages about the same files that keepPromise has sent.
     std::optional<LoadedShot> loadOnce(Scene scene, const RenderOptions& options, VolumesOf volumesOf, ShotUse use);
+    /// Sets LoadedShot::textAt where the scene moves by its text. `options` must outlive `loaded`.
+    void keepText(LoadedShot& loaded, const RenderOptions& options);
     /// A scene that was changed in code: its values are no longer keyed, and only velocities move it.
     static Scene byHand(Scene scene);
     /// The existing frame whose files are largest. Without sequences it is frame 1 for a scene that moves by its text,

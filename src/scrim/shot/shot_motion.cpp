@@ -92,7 +92,9 @@ double lightWay(const Light& a, const Light& b, const Bounds& ws) {
 bool sameLook(const SceneVolume& a, const SceneVolume& b) {
     if (a.albedoGrid && a.albedoGrid->scale != b.albedoGrid->scale) return false;
     for (std::size_t i = 0; i < a.emission.size(); ++i)
-        if (a.emission[i].scale != b.emission[i].scale || a.emission[i].ramp != b.emission[i].ramp) return false;
+        if (a.emission[i].scale != b.emission[i].scale || a.emission[i].color != b.emission[i].color ||
+            a.emission[i].ramp != b.emission[i].ramp)
+            return false;
     return true;
 }
 
@@ -200,7 +202,7 @@ ShotMotion::Moments::Moments(const LoadedShot& shot, const RenderOptions& option
 ViewScene ShotMotion::Moments::inPlace(double t, const Scene& at) const {
     for (std::size_t i = 0; i < at.volumes.size(); ++i)
         if (!sameLook(at.volumes[i], m_middle.volumes[i])) {
-            ViewScene out = m_shot.viewAt(t, m_options, m_lod, VolumesOf::scene);
+            ViewScene out = m_shot.viewOf(at, t, m_options, m_lod, VolumesOf::scene);
             out.camera = at.camera;
             return out;
         }
@@ -267,6 +269,7 @@ ShotMotion::ShotMotion(const LoadedShot& shot, const RenderOptions& options) : m
          }));
     if (!m_moves && !shot.scene.lens) return;
     m_moments = std::make_shared<const Moments>(shot, options, shot.scene.dials.lod.value_or(0), middle());
+    m_light = KeyedLight(shot, m_shutter.open, m_shutter.close);
     m_path = longestPath();
     m_blur = largestBlur();
     const std::optional<int>& samples = shot.scene.dials.shutterSamples;
@@ -293,7 +296,9 @@ Moment ShotMotion::momentOf(int i, int count) const {
 }
 
 Scene ShotMotion::sceneAt(const Moment& moment) const {
-    return seenFrom(moment.lens, m_shot.sceneAt(moment.time));
+    Scene at = m_shot.sceneAt(moment.time);
+    m_light.average(moment.time - 0.5 * moment.span, moment.time + 0.5 * moment.span, at);
+    return seenFrom(moment.lens, std::move(at));
 }
 
 ViewScene ShotMotion::viewAt(const Moment& moment) const {

@@ -6,6 +6,7 @@
 
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/plan/make_plan.h>
+#include <scrim/shot/keyed_light.h>
 #include <scrim/shot/load_shot.h>
 #include <scrim/shot/shot_options.h>
 
@@ -53,6 +54,7 @@ class ShotMotion {
     const LoadedShot& m_shot;
     const RenderOptions& m_options;
     Shutter m_shutter;
+    KeyedLight m_light;                        // while it is open
     std::shared_ptr<const Moments> m_moments;  // null: there is one moment
     bool m_moves = false;                      // something moves while the shutter is open
     double m_path = 0;                         // pixels

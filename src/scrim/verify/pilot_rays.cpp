@@ -88,7 +88,7 @@ class PilotScene {
     // meets nothing. `thickness`: the sum over the ray of the optical depths of voxels, weighted by the radiance that
     // comes from there.
     struct Seen {
-        double exact = 0, texels = 0, alpha = 0, thickness = 0;
+        double exact = 0, texels = 0, alpha = 0, alphaTexels = 0, thickness = 0;
         bool visible() const { return alpha >= 1e-3; }
     };
     Seen look(int number, bool texels = true) const {
@@ -98,7 +98,7 @@ class PilotScene {
         const auto [first, end] = m_bounds.clip(origin, direction, 0, kFar);
         if (!(first < end)) return seen;
         const double last = m_holdouts ? m_holdouts->firstHit(SolidRole::holdout, origin, direction, 0, end) : end;
-        double through[2] = {1, 1}, radiance[2] = {0, 0}, clear = 1, thickness = 0;
+        double through[2] = {1, 1}, radiance[2] = {0, 0}, clear[2] = {1, 1}, alpha[2] = {0, 0}, thickness = 0;
         std::array<double, kMostPilotLights + 1> light[2] = {};
         double unlit = 0;  // what has contributed since light was looked up
         walk(origin, direction, first, std::min(last, end), jitter, [&](double t, double step) {
@@ -127,16 +127,19 @@ class PilotScene {
                 radiance[i] += through[i] * sent * (scattered + stuff[i].glow);
                 through[i] *= left;
             }
-            if (exact.opacity > 0) {
-                const double left = std::exp(-exact.opacity * step);
-                seen.alpha += clear * (1 - left) * exact.shown / exact.opacity;
-                clear *= left;
+            for (int i = 0; i < 2; ++i) {
+                if (!(stuff[i].opacity > 0)) continue;
+                const double left = std::exp(-stuff[i].opacity * step);
+                alpha[i] += clear[i] * (1 - left) * stuff[i].shown / stuff[i].opacity;
+                clear[i] *= left;
             }
             thickness += (radiance[0] - before) * exact.extinction * m_voxel;
-            return std::max({through[0], through[1], clear}) >= std::exp(-kMostDepth);
+            return std::max({through[0], through[1], clear[0], clear[1]}) >= std::exp(-kMostDepth);
         });
         seen.exact = radiance[0];
         seen.texels = radiance[1];
+        seen.alpha = alpha[0];
+        seen.alphaTexels = alpha[1];
         seen.thickness = thickness;
         return seen;
     }
@@ -495,37 +498,54 @@ double pilotError(const ViewScene& given, int rays, int mostRays) {
     constexpr int kTasks = 8, kMostTries = 16;
     struct Sums {
         double squares = 0, fourths = 0, values = 0;
+
+        void add(double exact, double texels) {
+            const double square = (texels - exact) * (texels - exact);
+            squares += square;
+            fourths += square * square;
+            values += exact;
+        }
+        void add(const Sums& o) {
+            squares += o.squares;
+            fourths += o.fourths;
+            values += o.values;
+        }
+    };
+    struct Task {
+        Sums radiance, alpha;
         int count = 0, tries = 0;
     };
     const PilotScene pilots(scene);
-    std::vector<Sums> sums(kTasks);
+    std::vector<Task> tasks(kTasks);
     for (;; rays *= 2) {
-        parallelFor(kTasks, [&](std::size_t task) {
-            Sums& own = sums[task];
+        parallelFor(kTasks, [&](std::size_t number) {
+            Task& own = tasks[number];
             for (; own.tries * kTasks < kMostTries * rays && own.count * kTasks < rays; ++own.tries) {
-                const PilotScene::Seen seen = pilots.look(own.tries * kTasks + static_cast<int>(task));
+                const PilotScene::Seen seen = pilots.look(own.tries * kTasks + static_cast<int>(number));
                 if (!seen.visible() && seen.exact <= 0) continue;
-                const double square = (seen.texels - seen.exact) * (seen.texels - seen.exact);
-                own.squares += square;
-                own.fourths += square * square;
-                own.values += seen.exact;
+                own.radiance.add(seen.exact, seen.texels);
+                own.alpha.add(seen.alpha, seen.alphaTexels);
                 ++own.count;
             }
         });
-        Sums all;
-        for (const Sums& s : sums) {
-            all.squares += s.squares;
-            all.fourths += s.fourths;
-            all.values += s.values;
-            all.count += s.count;
+        Task all;
+        for (const Task& task : tasks) {
+            all.radiance.add(task.radiance);
+            all.alpha.add(task.alpha);
+            all.count += task.count;
         }
-        if (!(all.values > 0 && all.squares > 0)) return 0;
+        if (!(all.radiance.values > 0 && all.radiance.squares > 0)) return 0;
+        const auto errorOf = [&](const Sums& sums) {
+            return sums.squares > 0 && sums.values > 0
+                       ? oneDeviationAbove(sums.squares, sums.fourths, sums.values, all.count)
+                       : 0;
+        };
         // Where errors are equal, the mean of their squares is known from a few rays. In layers and thin shells a few
         // rays have most of it, so it takes more: 48 rays found 0.4 of it in layers, 384 rays 0.8. What is returned is
         // one standard deviation above.
-        const double deviation = deviationOf(all.squares, all.fourths, all.count);
+        const double deviation = deviationOf(all.radiance.squares, all.radiance.fourths, all.count);
         if (!(deviation > kSure) || rays >= mostRays || all.count * 2 < rays)
-            return oneDeviationAbove(all.squares, all.fourths, all.values, all.count);
+            return std::max(errorOf(all.radiance), errorOf(all.alpha));
     }
 }
 

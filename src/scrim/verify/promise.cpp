@@ -58,25 +58,33 @@ void boundSurfaces(Dials& dials) {
     dials.sheetThickness = std::min(dials.sheetThickness, kCoarsest);
 }
 
-// The distance, in voxels, from a lamp outside of a volume to the nearest of its dense voxels that are seen; infinity
-// if there are none nearby. `all`: the optics of all volumes, which lie in `ws`.
+// True if a light sends anything in a direction.
+bool shinesAlong(const Light& light, const Vec3& way) {
+    return !light.spot() || glm::dot(way, light.wsDirection) > std::cos(glm::radians(0.5 * light.spot()->coneAngle));
+}
+
+// The distance, in voxels, from a lamp outside of a volume to the nearest of its voxels that are seen and lit, and not
+// much thinner than others; infinity if there are none nearby. `all`: the optics of all volumes, which lie in `ws`.
 double nearestSeen(const ViewScene& scene, const std::vector<VolumeOptics>& all, const Bounds& ws, const Light& light,
                    std::size_t number) {
-    constexpr double kDense = 0.05, kFar = 12, kStep = 0.5;  // optical depth of a voxel; voxels
-    constexpr double kHidden = 2.3;                          // optical depth
+    constexpr double kDense = 0.05, kOfMost = 0.25, kFar = 40, kStep = 0.5;  // optical depth of a voxel; voxels
+    constexpr double kHidden = 2.3;                                          // optical depth
     constexpr int kDirections = 256, kTries = 8;
     const ViewVolume& volume = scene.volumes[number];
     const VolumeOptics& optics = all[number];
     const double voxel = voxelUnit(volume);
     const Bounds box = transformed(volume.wsFromIs, volume.field->isBounds());
     const double beside = glm::distance(glm::clamp(light.wsPosition, box.lower, box.upper), light.wsPosition);
+    const double dense = std::min(kDense, kOfMost * mostDepth(volume, voxel));
     std::vector<std::pair<double, Vec3>> hits;
     if (beside > kFar * voxel || optics.mostExtinction(light.wsPosition) > 0) return kNowhere;
-    for (int i = 0; i < kDirections; ++i) {
-        const Vec3 way = evenDirection(i, kDirections);
+    for (int i = -1; i < kDirections; ++i) {
+        // A narrow cone may lie between all of these directions.
+        const Vec3 way = i >= 0 ? evenDirection(i, kDirections) : light.spot() ? light.wsDirection : Vec3(0, -1, 0);
+        if (!shinesAlong(light, way)) continue;
         for (double r = kStep; r <= kFar; r += kStep) {
             const Vec3 at = light.wsPosition + r * voxel * way;
-            if (optics.mostExtinction(at) * voxel < kDense) continue;
+            if (optics.mostExtinction(at) * voxel < dense) continue;
             hits.emplace_back(r, at);
             break;
         }

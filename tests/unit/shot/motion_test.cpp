@@ -176,6 +176,21 @@ TEST_F(MotionBlur, AveragesLights) {
 }
 
 // A square of 4 x 40 in front of the block passes by 8 within the shutter, and hides column 20 for half of it.
+// A pulse lies between the moments of few renders: ambient light and emission rise to 8 and fall within a quarter of
+// the time, at the frame itself both are out. Their mean over the shutter is 8 / 8 = 1.
+TEST_F(MotionBlur, OfAPulseOfLightIsThatOfItsMean) {
+    const std::string pulse = "{keys=[[0.75,0],[0.875,8],[1,0]]}";
+    for (const auto& [keyed, steady] : std::vector<std::pair<std::string, std::string>>{
+             {"ambient.color={keys=[[0.75,[0,0,0]],[0.875,[8,8,8]],[1,[0,0,0]]]}", "ambient.color=[1,1,1]"},
+             {"volume.block.medium.emission={grid=\"density\",scale=" + pulse + "}",
+              "volume.block.medium.emission={grid=\"density\",scale=1}"}}) {
+        const ShotFrame blurred = render({kShutter, keyed}), still = render({steady});
+        // A sixteenth of the rise lies between two values of the table, whose midpoints miss the peak by half of that.
+        EXPECT_LT(farthest(blurred, still), 0.01 * mean(still)) << keyed;
+        EXPECT_LT(farthest(render({kShutter, keyed, samples(3)}), still), 0.01 * mean(still)) << keyed;
+    }
+}
+
 TEST_F(MotionBlur, OfAHoldoutIsThePartOfTheTimeThatItDoesNotHide) {
     writeBytes(file("square.obj"), "v -2 -20 20\nv 2 -20 20\nv 2 20 20\nv -2 20 20\nf 1 2 3 4\n");
     const std::string mesh =
