@@ -63,8 +63,9 @@ bool shinesAlong(const Light& light, const Vec3& way) {
     return !light.spot() || glm::dot(way, light.wsDirection) > std::cos(glm::radians(0.5 * light.spot()->coneAngle));
 }
 
-// The distance, in voxels, from a lamp outside of a volume to the nearest of its voxels that are seen and lit, and not
-// much thinner than others; infinity if there are none nearby. `all`: the optics of all volumes, which lie in `ws`.
+// The distance, in voxels, from a lamp that is not in the smoke of a volume, but perhaps in its rim, to the nearest of
+// its voxels that are seen and lit, and not much thinner than others; infinity if there are none nearby. `all`: the
+// optics of all volumes, which lie in `ws`.
 double nearestSeen(const ViewScene& scene, const std::vector<VolumeOptics>& all, const Bounds& ws, const Light& light,
                    std::size_t number) {
     constexpr double kDense = 0.05, kOfMost = 0.25, kFar = 40, kStep = 0.5;  // optical depth of a voxel; voxels
@@ -77,7 +78,7 @@ double nearestSeen(const ViewScene& scene, const std::vector<VolumeOptics>& all,
     const double beside = glm::distance(glm::clamp(light.wsPosition, box.lower, box.upper), light.wsPosition);
     const double dense = std::min(kDense, kOfMost * mostDepth(volume, voxel));
     std::vector<std::pair<double, Vec3>> hits;
-    if (beside > kFar * voxel || optics.mostExtinction(light.wsPosition) > 0) return kNowhere;
+    if (beside > kFar * voxel || optics.mostExtinction(light.wsPosition) * voxel >= dense) return kNowhere;
     for (int i = -1; i < kDirections; ++i) {
         // A narrow cone may lie between all of these directions.
         const Vec3 way = i >= 0 ? evenDirection(i, kDirections) : light.spot() ? light.wsDirection : Vec3(0, -1, 0);
