@@ -17,6 +17,8 @@
 #include <exception>
 #include <iterator>
 #include <map>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -136,7 +138,7 @@ std::vector<AxProblem> misuses(const ax::ast::Tree& tree, const std::vector<AxUs
 }
 
 /// Problems of functions that work on points only, which the compiler refuses without a name or a place, and of numbers
-/// drawn without a seed, which differ in every run, so that tiles and frames would not match.
+/// drawn before any seed is given, which differ in every run, so that tiles and frames would not match.
 std::vector<AxProblem> wrongCalls(const ax::ast::Tree& tree, Log& log) {
     static constexpr std::string_view kOfPoints[] = {"addtogroup", "deletepoint", "ingroup", "removefromgroup"};
     static constexpr std::string_view kDrawn[] = {"rand", "rand32"};
@@ -145,12 +147,14 @@ std::vector<AxProblem> wrongCalls(const ax::ast::Tree& tree, Log& log) {
     };
     std::vector<const ax::ast::FunctionCall*> calls;
     ax::ast::collectNodeType<ax::ast::FunctionCall>(tree, calls);
+    std::set<std::string> seeded;
     for (const auto* call : calls) {
         const AxProblem place = log.placeOf(*call);
+        if (!call->empty()) seeded.insert(call->name());
         if (isOneOf(kOfPoints, call->name()))
             return {{fmt::format("{}() works on points; expected functions of voxels", call->name()), place.line,
                      place.column}};
-        if (isOneOf(kDrawn, call->name()) && call->empty())
+        if (isOneOf(kDrawn, call->name()) && seeded.count(call->name()) == 0)
             return {{fmt::format("{0}() differs in every run; expected a seed, as in {0}(dot(getcoord(), {{1, 131, "
                                  "17161}}))",
                                  call->name()),
