@@ -21,6 +21,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -433,10 +434,9 @@ PromisedDials withCoarser(const std::function<ViewScene(double)>& atLod, double 
     return out;
 }
 
-}  // namespace
-
-PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
-                            const std::function<ViewScene(double)>& atLod) {
+// The dials of a scene whose held-out volumes are as they are.
+PromisedDials dialsAsHeld(const ViewScene& given, const std::string& quality,
+                          const std::function<ViewScene(double)>& atLod) {
     // Of the promise: with all that texels and sheets may leave, this makes 1.06 times.
     constexpr double kOfLightCells = 0.35;
     ViewScene scene = given;
@@ -469,6 +469,34 @@ PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
         out.scattering->choice = chooseScattering(*scattered, scene.dials, scatteringPart(out));
         setScattering(out.dials, out.scattering->choice);
     }
+    return out;
+}
+
+ViewScene withoutHoldouts(ViewScene scene) {
+    for (ViewVolume& volume : scene.volumes) volume.holdout = false;
+    return scene;
+}
+
+// Of two dials that may be left to the plan, which is then as fine as these get.
+std::optional<double> finer(const std::optional<double>& a, const std::optional<double>& b) {
+    return a && b ? std::optional(std::min(*a, *b)) : std::nullopt;
+}
+
+}  // namespace
+
+PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
+                            const std::function<ViewScene(double)>& atLod) {
+    PromisedDials out = dialsAsHeld(given, quality, atLod);
+    if (std::ranges::none_of(given.volumes, &ViewVolume::holdout)) return out;
+    // Pictures add up of which each holds out what others show: none has coarser dials than the one that shows all.
+    const auto allAtLod = [&](double lod) { return withoutHoldouts(atLod(lod)); };
+    const PromisedDials all =
+        dialsAsHeld(withoutHoldouts(given), quality, atLod ? allAtLod : std::function<ViewScene(double)>());
+    for (double Dials::*dial : {&Dials::texel, &Dials::sheetThickness, &Dials::opacityCutoff, &Dials::lightError})
+        out.dials.*dial = std::min(out.dials.*dial, all.dials.*dial);
+    if (out.dials.lod || all.dials.lod) out.dials.lod = std::min(out.dials.lod.value_or(0), all.dials.lod.value_or(0));
+    out.dials.lightCell = finer(out.dials.lightCell, all.dials.lightCell);
+    out.dials.lightCellOthers = finer(out.dials.lightCellOthers, all.dials.lightCellOthers);
     return out;
 }
 
