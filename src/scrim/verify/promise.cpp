@@ -472,8 +472,14 @@ PromisedDials dialsAsHeld(const ViewScene& given, const std::string& quality,
     return out;
 }
 
+bool hidesFromEye(const ViewScene& scene) {
+    return std::ranges::any_of(scene.volumes, &ViewVolume::holdout) ||
+           (scene.solids && scene.solids->any(SolidRole::holdout) && !solidsBlock(scene));
+}
+
 ViewScene withoutHoldouts(ViewScene scene) {
     for (ViewVolume& volume : scene.volumes) volume.holdout = false;
+    if (!solidsBlock(scene)) scene.solids = nullptr;
     return scene;
 }
 
@@ -487,7 +493,7 @@ std::optional<double> finer(const std::optional<double>& a, const std::optional<
 PromisedDials promisedDials(const ViewScene& given, const std::string& quality,
                             const std::function<ViewScene(double)>& atLod) {
     PromisedDials out = dialsAsHeld(given, quality, atLod);
-    if (std::ranges::none_of(given.volumes, &ViewVolume::holdout)) return out;
+    if (!hidesFromEye(given)) return out;
     // Pictures add up of which each holds out what others show: none has coarser dials than the one that shows all.
     const auto allAtLod = [&](double lod) { return withoutHoldouts(atLod(lod)); };
     const PromisedDials all =
