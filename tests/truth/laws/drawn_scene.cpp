@@ -486,6 +486,7 @@ const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
     static const std::string time = "of time and lenses: moments are whole renders (truth/effects, unit/shot)";
     static const std::string behind = "behind the volumes, which it does not change (truth/effects/backdrop)";
     static const std::string same = "another way to write what is drawn";
+    static const std::string levels = "of volumes whose cells differ in size (unit/verify/promise)";
     static const std::vector<std::pair<std::string, std::string>> keys{{"scene.", same},
                                                                        {"orbit.", same},
                                                                        {"camera.matrix", same},
@@ -510,6 +511,7 @@ const std::vector<std::pair<std::string, std::string>>& undrawnKeys() {
                                                                        {"render.quality", same},
                                                                        {"render.tolerance", same},
                                                                        {"render.lod", files},
+                                                                       {"render.light_cell_others", levels},
                                                                        {"render.shutter_samples", time},
                                                                        {"transform.matrix", same},
                                                                        {"frame.", files},
