@@ -149,16 +149,17 @@ std::vector<AxProblem> wrongCalls(const ax::ast::Tree& tree, Log& log) {
     ax::ast::collectNodeType<ax::ast::FunctionCall>(tree, calls);
     std::set<std::string> seeded;
     for (const auto* call : calls) {
+        const std::string& name = call->name();
+        if (!call->empty()) seeded.insert(name);
+        std::string text;
+        if (isOneOf(kOfPoints, name))
+            text = fmt::format("{}() works on points; expected functions of voxels", name);
+        else if (isOneOf(kDrawn, name) && !seeded.contains(name))
+            text = fmt::format(
+                "{0}() differs in every run; expected a seed, as in {0}(dot(getcoord(), {{1, 131, 17161}}))", name);
+        if (text.empty()) continue;
         const AxProblem place = log.placeOf(*call);
-        if (!call->empty()) seeded.insert(call->name());
-        if (isOneOf(kOfPoints, call->name()))
-            return {{fmt::format("{}() works on points; expected functions of voxels", call->name()), place.line,
-                     place.column}};
-        if (isOneOf(kDrawn, call->name()) && seeded.count(call->name()) == 0)
-            return {{fmt::format("{0}() differs in every run; expected a seed, as in {0}(dot(getcoord(), {{1, 131, "
-                                 "17161}}))",
-                                 call->name()),
-                     place.line, place.column}};
+        return {{text, place.line, place.column}};
     }
     return {};
 }

@@ -20,11 +20,6 @@ namespace {
 constexpr int kDirections = 24;  // that stand for a light on cells
 constexpr int kFew = 3;          // points that stand for another light
 
-// Half the angle of the cap that each of so many directions of a sky stands for, radians.
-double halfCap(int directions) {
-    return std::acos(std::max(1 - 2.0 / directions, -1.0));
-}
-
 // The scene whose lights on cells have few directions. Lobes that are as wide as the many caps of a sky, but narrower
 // than the few, would take rays from every cell (passes/sky_peaks.h): they become even.
 ViewScene withFewDirections(ViewScene scene, const CellLightPlan& plan) {
@@ -33,7 +28,8 @@ ViewScene withFewDirections(ViewScene scene, const CellLightPlan& plan) {
         const int directions = subLightCount(scene, light);
         light.samples = std::min(directions, kDirections);
         for (ViewVolume& volume : scene.volumes)
-            if (light.dome() && !needsCaps(volume.medium.phase, halfCap(directions))) volume.medium.phase = {};
+            if (light.dome() && !needsCaps(volume.medium.phase, capOf(4 * std::numbers::pi / directions)))
+                volume.medium.phase = {};
     }
     return scene;
 }

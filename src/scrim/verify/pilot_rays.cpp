@@ -430,15 +430,29 @@ PilotSight pilotSight(const ViewScene& given, int rays) {
 
 namespace {
 
-// Standard deviation of the mean square, relative to it, of `count` rays with these sums of squares and fourth powers.
-double deviationOf(double squares, double fourths, int count) {
-    return std::sqrt(std::max(fourths / (squares * squares) - 1.0 / count, 0.0));
-}
+// What some rays found of one value.
+struct Errors {
+    double squares = 0, fourths = 0, values = 0;
 
-// The relative RMSE of these rays, whose values have the sum `values`.
-double oneDeviationAbove(double squares, double fourths, double values, int count) {
-    return std::sqrt((1 + deviationOf(squares, fourths, count)) * squares / count) / (values / count);
-}
+    void add(double exact, double found) {
+        const double square = (exact - found) * (exact - found);
+        squares += square;
+        fourths += square * square;
+        values += exact;
+    }
+    void add(const Errors& o) {
+        squares += o.squares;
+        fourths += o.fourths;
+        values += o.values;
+    }
+    // Standard deviation of the mean square of `count` rays, relative to it.
+    double deviation(int count) const { return std::sqrt(std::max(fourths / (squares * squares) - 1.0 / count, 0.0)); }
+    // The relative RMSE, one standard deviation above what they find; 0 where they find no error.
+    double oneDeviationAbove(int count) const {
+        if (!(squares > 0 && values > 0)) return 0;
+        return std::sqrt((1 + deviation(count)) * squares / count) / (values / count);
+    }
+};
 
 }  // namespace
 
@@ -478,17 +492,14 @@ double CoarserPilot::error(const ViewScene& coarser) const {
     // Of radiance, and of alpha, which shows edges where there is little light.
     double most = 0;
     for (const auto value : {&PilotRadiance::Ray::radiance, &PilotRadiance::Ray::alpha}) {
-        double squares = 0, fourths = 0, values = 0;
+        Errors errors;
         int count = 0;
         for (std::size_t i = 0; i < seen.size(); ++i) {
             const double exact = m_rays->seen[i].*value, found = seen[i].*value;
-            const double square = (exact - found) * (exact - found);
-            squares += square;
-            fourths += square * square;
-            values += exact;
+            errors.add(exact, found);
             count += exact > 0 || found > 0;
         }
-        if (squares > 0 && values > 0) most = std::max(most, oneDeviationAbove(squares, fourths, values, count));
+        most = std::max(most, errors.oneDeviationAbove(count));
     }
     return most;
 }
@@ -496,23 +507,8 @@ double CoarserPilot::error(const ViewScene& coarser) const {
 double pilotError(const ViewScene& given, int rays, int mostRays) {
     const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostPilotLights));
     constexpr int kTasks = 8, kMostTries = 16;
-    struct Sums {
-        double squares = 0, fourths = 0, values = 0;
-
-        void add(double exact, double texels) {
-            const double square = (texels - exact) * (texels - exact);
-            squares += square;
-            fourths += square * square;
-            values += exact;
-        }
-        void add(const Sums& o) {
-            squares += o.squares;
-            fourths += o.fourths;
-            values += o.values;
-        }
-    };
     struct Task {
-        Sums radiance, alpha;
+        Errors radiance, alpha;
         int count = 0, tries = 0;
     };
     const PilotScene pilots(scene);
@@ -535,17 +531,11 @@ double pilotError(const ViewScene& given, int rays, int mostRays) {
             all.count += task.count;
         }
         if (!(all.radiance.values > 0 && all.radiance.squares > 0)) return 0;
-        const auto errorOf = [&](const Sums& sums) {
-            return sums.squares > 0 && sums.values > 0
-                       ? oneDeviationAbove(sums.squares, sums.fourths, sums.values, all.count)
-                       : 0;
-        };
         // Where errors are equal, the mean of their squares is known from a few rays. In layers and thin shells a few
         // rays have most of it, so it takes more: 48 rays found 0.4 of it in layers, 384 rays 0.8. What is returned is
         // one standard deviation above.
-        const double deviation = deviationOf(all.radiance.squares, all.radiance.fourths, all.count);
-        if (!(deviation > kSure) || rays >= mostRays || all.count * 2 < rays)
-            return std::max(errorOf(all.radiance), errorOf(all.alpha));
+        if (!(all.radiance.deviation(all.count) > kSure) || rays >= mostRays || all.count * 2 < rays)
+            return std::max(all.radiance.oneDeviationAbove(all.count), all.alpha.oneDeviationAbove(all.count));
     }
 }
 

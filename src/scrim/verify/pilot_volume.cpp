@@ -124,6 +124,7 @@ void PilotVolume::divide(double by) {
 }
 
 void PilotVolume::takeWeights(const PilotVolume& other) {
+    m_extinction = other.m_extinction;
     m_glow = other.m_glow;
     m_weights = other.m_weights;
     m_scattering = other.m_scattering;

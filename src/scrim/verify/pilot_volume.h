@@ -82,7 +82,7 @@ class PilotVolume {
     double brightest() const;
     /// Divides scattering and glow, so that rays see the same picture with other units.
     void divide(double by);
-    /// Scatters and emits as much as another volume.
+    /// Dims, scatters and emits as much as another volume of the same density.
     void takeWeights(const PilotVolume& other);
     /// Scatters all light evenly, as alpha shows it.
     void showOpacity();
