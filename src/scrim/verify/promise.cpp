@@ -80,9 +80,9 @@ double nearestSeen(const ViewScene& scene, const std::vector<VolumeOptics>& all,
     const double dense = std::min(kDense, kOfMost * mostDepth(volume, voxel));
     std::vector<std::pair<double, Vec3>> hits;
     if (beside > kFar * voxel || optics.mostExtinction(light.wsPosition) * voxel >= dense) return kNowhere;
-    for (int i = -1; i < kDirections; ++i) {
-        // A narrow cone may lie between all of these directions.
-        const Vec3 way = i >= 0 ? evenDirection(i, kDirections) : light.spot() ? light.wsDirection : Vec3(0, -1, 0);
+    // A narrow cone may lie between all of these directions, so its axis comes first.
+    for (int i = light.spot() ? -1 : 0; i < kDirections; ++i) {
+        const Vec3 way = i < 0 ? light.wsDirection : evenDirection(i, kDirections);
         if (!shinesAlong(light, way)) continue;
         for (double r = kStep; r <= kFar; r += kStep) {
             const Vec3 at = light.wsPosition + r * voxel * way;
