@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 
 namespace scrim::test {
 namespace {
@@ -392,6 +393,19 @@ TEST(Classified, AgreesWithBruteForce) {
     scene.ambient = Rgb(0.3);
     scene.lights.push_back(distantLight({1, -1, -0.6}, 3));
     expectConvergence(scene, 40, 1, 0.04);  // surfaces, and their highlights
+}
+
+// The field leaps from 0 to 1 within a voxel, and shows from its first traces on. Were it as smooth there as the splats
+// are, its lit sides would lie in their own shadow.
+TEST(Classified, SurfacesThatShowFromTheFirstTraceOnDoNotShadowThemselves) {
+    for (const double trace : {0.001, 0.03}) {
+        const Classified look = transferOf({{0.2 * trace, Rgb(1), 0}, {trace, Rgb(1), 1.2}});
+        ViewScene scene = classifiedScene(boxField({-10, -9, -15}, {10, 9, 15}), look, 42, 32);
+        scene.volumes[0].wsFromIs = glm::rotate(scene.volumes[0].wsFromIs, 0.3, Vec3(1, 0.7, 0.2));
+        scene.lights.push_back(distantLight({-1, -0.8, -0.5}, 3));
+        scene.dials.texel = scene.dials.sheetThickness = 0.28;
+        EXPECT_LT(errorOf(scene, 60), 0.025) << trace;
+    }
 }
 
 }  // namespace

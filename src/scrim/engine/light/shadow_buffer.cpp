@@ -163,6 +163,8 @@ void attenuateAlongRays(const AttenuateTile& tile, int s, const LightView& view,
                         const std::vector<const Surface*>& surfaces, std::vector<ClassifiedTile>& classified) {
     // Beyond this optical depth nothing is lit, and it does not matter how dark it is.
     constexpr Real kDark = 16;
+    // Beyond this one the edges of surfaces need not be exact.
+    constexpr Real kDim = 6;
     Real least = kDark;
     for (int y = 0; y < kTileEdge; ++y) {
         const Real* const row = tile.tau + y * tile.tauStride;
@@ -170,8 +172,10 @@ void attenuateAlongRays(const AttenuateTile& tile, int s, const LightView& view,
         least = std::min(least, *std::min_element(row, row + kTileEdge));
     }
     if (least == kDark) return;
+    std::uint8_t open[kTileSize];
+    for (int k = 0; k < kTileSize; ++k) open[k] = tile.tau[k / kTileEdge * tile.tauStride + k % kTileEdge] < kDim;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
-        if (!surfaces[i]->meanExtinction(s, view, cell, classified[i])) continue;
+        if (!surfaces[i]->meanExtinction(s, view, cell, open, classified[i])) continue;
         const auto way = [&](int x, int y) {
             const Real a = tile.slopeA + static_cast<Real>(x) * tile.slopeStep,
                        b = tile.slopeB + static_cast<Real>(y) * tile.slopeStep;

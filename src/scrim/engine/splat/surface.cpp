@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -17,6 +18,8 @@ namespace {
 
 // How far the field of the splats may be from the volume's own, as a part of the range of values around it.
 constexpr Real kVague = Real(0.25);
+// Kinks of the field matter where the transfer function begins within this part of what a ray meets of values there.
+constexpr Real kAtOnce = Real(0.5);
 
 using Range = std::pair<Real, Real>;
 
@@ -86,6 +89,8 @@ Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& she
       m_clip(volume.wsClip),
       m_exact(*volume.field, volume.kernel.value_or(dials.kernel)),
       m_most(mostValue(*volume.classified)),
+      m_edge(m_table.edge(0, m_most)),
+      m_rim(static_cast<Real>(std::max(2.0, 2 * sheets.texel / sheets.thickness))),
       // A gradient is a covector, so differences are multiplied by the inverse transpose.
       m_ssFromDifference(sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(volume.wsFromIs))))),
       m_field({{densityOf(volume)}}, settingsOf(volume, dials), dials, sheets, lattice, batchSheets),
@@ -198,21 +203,21 @@ const FieldBrick* Surface::voxelsIn(const Bounds& is) const {
     return brick.fill(m_exact, is) ? &brick : nullptr;
 }
 
-// Replaces the field of the splats by that of the volume itself, at the samples whose rays may meet extinction: between
-// texels the field has the edges of voxels, which a surface shows as dents.
-void Surface::sharpen(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out) const {
+// Replaces the field of the splats by that of the volume itself, at the samples for which shows(least, most) is true of
+// the values that their rays meet: between texels the field has the edges of voxels, which a surface shows as dents.
+template <class Shows>
+void Surface::sharpen(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out,
+                      const Shows& shows) const {
     const double n = m_firstSheet + p, texelsPerSlope = m_sheets.thickness / m_sheets.texel;
     std::array<int, kTileSize> places;
     std::array<std::array<Vec3, 3>, kTileSize> runs;
     std::size_t count = 0;
     Bounds box;
     const bool onward = out.exactSheet == m_firstSheet + p - 1;
-    const auto [low, high] = std::minmax_element(out.middle, out.middle + kTileSize);
-    const Real margin = kVague * (*high - *low);
-    for (int k = 0; k < kTileSize; ++k) {
+    for (int k = 0; k < out.count; ++k) {
         if (open && !open[k]) continue;
         const auto [least, most] = std::minmax({out.front[k], out.middle[k], out.back[k]});
-        if (!m_table.anyBetween(least - margin, most + margin)) continue;
+        if (!shows(least, most)) continue;
         for (std::size_t i = 0; i < 3; ++i) {
             const double away = 0.5 * double(i) - 0.5;
             const Vec2 place = crossing(at, std::size_t(k), away, texelsPerSlope);
@@ -224,15 +229,46 @@ void Surface::sharpen(int p, const SampleTile& at, const std::uint8_t* open, Cla
     const auto exact = [&](const Vec3& is) {
         return std::min(static_cast<Real>(brick ? brick->value(is) : m_exact.value(is)), m_most);
     };
+    out.exactSheet = m_firstSheet + p;
+    std::array<Real, kTileSize> ends;
     for (std::size_t i = 0; i < count; ++i) {
         const int k = places[i];
-        out.front[k] = onward && !std::isnan(out.leaves[k]) ? out.leaves[k] : exact(runs[i][0]);
-        out.middle[k] = exact(runs[i][1]);
-        out.back[k] = exact(runs[i][2]);
+        const Real front = onward && !std::isnan(out.leaves[k]) ? out.leaves[k] : exact(runs[i][0]),
+                   middle = exact(runs[i][1]), back = ends[i] = exact(runs[i][2]);
+        std::tie(out.front[k], out.middle[k]) = withEdge(runs[i][0], runs[i][1], front, middle, exact);
+        const auto [from, to] = withEdge(runs[i][1], runs[i][2], middle, back, exact);
+        if (from != middle) out.middle[k] = from;
+        out.back[k] = to;
     }
-    out.exactSheet = m_firstSheet + p;
     std::fill(out.leaves, out.leaves + kTileSize, std::numeric_limits<Real>::quiet_NaN());
-    for (std::size_t i = 0; i < count; ++i) out.leaves[places[i]] = out.back[places[i]];
+    for (std::size_t i = 0; i < count; ++i) out.leaves[places[i]] = ends[i];
+}
+
+// The values `a` and `b` of the field at the ends of a part of a ray's course, of which one is clear and one is not, so
+// that a line between them crosses the edge of the clear values where the field does: the clear one is moved. Where the
+// first trace of a value is opaque, a line would cross at its clear end, wherever the field has its kink.
+template <class Exact>
+std::pair<Real, Real> Surface::withEdge(const Vec3& from, const Vec3& to, Real a, Real b, const Exact& exact) const {
+    constexpr int kParts = 16;
+    const bool clearFirst = m_table.clear(a);
+    if (clearFirst == m_table.clear(b)) return {a, b};
+    Real& end = clearFirst ? a : b;
+    const Real other = clearFirst ? b : a, edge = m_table.edge(end, other);
+    if (std::abs(edge - end) > kAtOnce * std::abs(other - end)) return {a, b};
+    const Vec3& origin = clearFirst ? from : to;
+    const Vec3 way = (clearFirst ? to : from) - origin;
+    int last = 0;  // the last part's end at which the field is known to be clear
+    Real before = end, beyond = other;
+    for (int step = kParts / 2; step > 0; step /= 2) {
+        const Real value = exact(origin + way * (double(last + step) / kParts));
+        const bool isClear = m_table.clear(value);
+        last += isClear ? step : 0;
+        (isClear ? before : beyond) = value;
+    }
+    constexpr Real kMost = Real(0.98);  // the moved value stays finite
+    const Real part = std::min((static_cast<Real>(last) + (edge - before) / (beyond - before)) / kParts, kMost);
+    end = (edge - part * other) / (1 - part);
+    return {a, b};
 }
 
 // The splatted field along the rays' course through the sheet. read(plane, away, to) reads a plane that is `away`
@@ -270,40 +306,64 @@ bool Surface::showsAround(const std::array<FloatPlane, 3>& planes, int tx, int t
     return shows(range);
 }
 
+// The least and greatest value that the rays of a tile meet.
+std::pair<Real, Real> Surface::rangeAlong(const ClassifiedTile& run) const {
+    const auto of = [&](const Real* values) { return rangeOf(values, run.count, 1, run.count, m_simd); };
+    return both(of(run.front), both(of(run.middle), of(run.back)));
+}
+
 // True if any value of the rays' courses has extinction, or is nearer to one that has than `margin`, as a part of their
 // range.
 bool Surface::anyShows(const ClassifiedTile& run, Real margin) const {
-    const auto of = [&](const Real* values) { return rangeOf(values, run.count, 1, run.count, m_simd); };
-    const auto [low, high] = both(of(run.front), both(of(run.middle), of(run.back)));
+    const auto [low, high] = rangeAlong(run);
     margin *= high - low;
     return m_table.anyBetween(low - margin, high + margin);
 }
 
-bool Surface::meanExtinction(int p, const SampleTile& at, ClassifiedTile& out) const {
-    sampleAlong(p, at, out);
-    return meanOfRun(p, &at, out);
+// True if the splats, which run from `least` to `most` within a sheet, may reach beyond the border of the field, and
+// show there what the field does not: they are smoother than that. Where the first trace of a value is opaque, a
+// surface would grow by half a texel and half a sheet, and its lit side would lie in its own shadow. (A box in which
+// values jump by 1,000, opaque from 1 on, was 21 % too dark.)
+bool Surface::isRim(Real least, Real most) const {
+    const Real range = most - least;
+    return most > m_edge && m_edge < kAtOnce * range && least < m_rim * range;
 }
 
-bool Surface::meanExtinction(int p, const LightView& view, const Int2& cell, ClassifiedTile& out) const {
+bool Surface::meanExtinction(int p, const SampleTile& at, ClassifiedTile& out) const {
+    sampleAlong(p, at, out);
+    return meanOfRun(
+        p, nullptr, [&]() -> const SampleTile& { return at; }, out);
+}
+
+bool Surface::meanExtinction(int p, const LightView& view, const Int2& cell, const std::uint8_t* open,
+                             ClassifiedTile& out) const {
     const int sheet = m_firstSheet + p;
     sampleRun(p, out, [&](const FloatPlane& from, int away, Real* to) {
         const LightView::Cells map = view.at(sheet + away);
         sampleLattice(from, static_cast<Real>(map.offsetU + cell.x * map.scale),
                       static_cast<Real>(map.offsetV + cell.y * map.scale), static_cast<Real>(map.scale), false, to);
     });
-    if (m_faces.empty() && m_look->gradientRamp.empty()) return meanOfRun(p, nullptr, out);
-    const SampleTile at = raysOf(view, cell, sheet);
-    return meanOfRun(p, &at, out);
+    return meanOfRun(
+        p, open, [&] { return raysOf(view, cell, sheet); }, out);
 }
 
-// `at`: null if nothing depends on places.
-bool Surface::meanOfRun(int p, const SampleTile* at, ClassifiedTile& out) const {
-    alignas(64) Real share[kTileSize];
-    if (at) cut(p, *at, out.front, out.middle, out.back, share);
+// `rays`: asked for the samples only where something depends on places.
+template <class Rays>
+bool Surface::meanOfRun(int p, const std::uint8_t* open, const Rays& rays, ClassifiedTile& out) const {
     std::fill(out.extinction, out.extinction + kTileSize, Real(0));
-    if (!anyShows(out, 0)) return false;
+    const auto [low, high] = rangeAlong(out);
+    if (!m_table.anyBetween(low, high)) return false;
+    const bool rim = isRim(low, high);
+    if (!rim && m_faces.empty() && m_look->gradientRamp.empty()) {
+        m_table.meanExtinction(out.front, out.middle, out.back, out.count, out.extinction, m_simd);
+        return true;
+    }
+    const SampleTile& at = rays();
+    alignas(64) Real share[kTileSize];
+    if (rim) sharpen(p, at, open, out, [&](Real least, Real most) { return isRim(least, most); });
+    cut(p, at, out.front, out.middle, out.back, share);
     m_table.meanExtinction(out.front, out.middle, out.back, out.count, out.extinction, m_simd);
-    if (at) weigh(p, *at, share, out.extinction);
+    weigh(p, at, share, out.extinction);
     return true;
 }
 
@@ -312,7 +372,9 @@ bool Surface::classify(int p, const SampleTile& at, const std::uint8_t* open, Cl
     std::fill(out.extinction, out.extinction + kTileSize, Real(0));
     sampleAlong(p, at, out);
     if (!anyShows(out, kVague)) return false;
-    sharpen(p, at, open, out);
+    const auto [low, high] = std::minmax_element(out.middle, out.middle + kTileSize);
+    const Real margin = kVague * (*high - *low);
+    sharpen(p, at, open, out, [&](Real least, Real most) { return m_table.anyBetween(least - margin, most + margin); });
     cut(p, at, out.front, out.middle, out.back, share);
     if (!anyShows(out, 0)) return false;
     for (int k = 0; open && k < kTileSize; ++k)  // a value of 0 has no extinction

@@ -8,7 +8,8 @@
 //
 // The splats tell where rays may meet something. There, what the eye sees is looked up in the volume's own field:
 // between texels the splatted field is smoother than that, and a surface would show it as dents. Lights, whose rays
-// cross many sheets before their shadows show, take the splatted field.
+// cross many sheets before their shadows show, take the splatted field, but at the border of the field where the first
+// trace of a value shows (isRim).
 //
 // Normals come from central differences over a voxel to either side (ZC02 section 3.1), along the axes of the volume's
 // own lattice. Their lengths may weight extinction.
@@ -29,6 +30,7 @@
 
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -80,7 +82,9 @@ class Surface {
     /// middle plane at `at`, with its slopes (eyeA, eyeB). Returns false, with an extinction of 0, if there is none.
     bool meanExtinction(int p, const SampleTile& at, ClassifiedTile& out) const;
     /// The same for the rays through 16 x 16 cells of a light's raster, from `cell` on.
-    bool meanExtinction(int p, const LightView& view, const Int2& cell, ClassifiedTile& out) const;
+    /// `open`: as in classify; the others are as the splats have them.
+    bool meanExtinction(int p, const LightView& view, const Int2& cell, const std::uint8_t* open,
+                        ClassifiedTile& out) const;
 
     /// Classifies what the eye sees at positions `at` of the lattice on sheet firstSheet + p. `open`: null, or 256
     /// flags; samples whose flag is 0 are hidden and have an extinction of 0. `out`: that of the sheet before if the
@@ -112,10 +116,16 @@ class Surface {
     template <class Read>
     void sampleRun(int p, ClassifiedTile& out, const Read& read) const;
     void sampleAlong(int p, const SampleTile& at, ClassifiedTile& out) const;
-    bool meanOfRun(int p, const SampleTile* at, ClassifiedTile& out) const;
+    template <class Rays>
+    bool meanOfRun(int p, const std::uint8_t* open, const Rays& rays, ClassifiedTile& out) const;
     const FieldBrick* voxelsIn(const Bounds& is) const;
-    void sharpen(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out) const;
+    template <class Shows>
+    void sharpen(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out, const Shows& shows) const;
+    template <class Exact>
+    std::pair<Real, Real> withEdge(const Vec3& from, const Vec3& to, Real a, Real b, const Exact& exact) const;
+    bool isRim(Real least, Real most) const;
     bool showsAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) const;
+    std::pair<Real, Real> rangeAlong(const ClassifiedTile& run) const;
     bool anyShows(const ClassifiedTile& run, Real margin) const;
     void findSlopes(int p, Some& some) const;
     void weigh(int p, const SampleTile& at, const Real* share, Real* extinction) const;
@@ -133,6 +143,8 @@ class Surface {
     glm::dmat4 m_isFromRs;            // maps (x W, y W, N, W) to index space
     FieldSampler m_exact;             // the volume's own field
     Real m_most;                      // its values are limited to this
+    Real m_edge;                      // the least value that shows
+    Real m_rim;                       // how far the splats may reach beyond the field: ranges of values within a sheet
     Mat3 m_ssFromDifference;  // converts differences over two voxels to the gradient in sweep space, per world unit
     FieldPlanes m_field;
     PlaneStack m_extinction;

@@ -133,11 +133,16 @@ TransferTable::TransferTable(const Classified& classified) {
         function.beyond = static_cast<Real>(at(points.back().value + 1));
     }
     const double infinity = std::numeric_limits<double>::infinity();
-    if (points.front().extinction > 0) m_opaque.emplace_back(-infinity, points.front().value);
+    const auto addOpaque = [&](double first, double last) {
+        if (!m_opaque.empty() && m_opaque.back().second == first)
+            m_opaque.back().second = last;
+        else
+            m_opaque.emplace_back(first, last);
+    };
+    if (points.front().extinction > 0) addOpaque(-infinity, points.front().value);
     for (std::size_t i = 1; i < points.size(); ++i)
-        if (points[i - 1].extinction > 0 || points[i].extinction > 0)
-            m_opaque.emplace_back(points[i - 1].value, points[i].value);
-    if (points.back().extinction > 0) m_opaque.emplace_back(points.back().value, infinity);
+        if (points[i - 1].extinction > 0 || points[i].extinction > 0) addOpaque(points[i - 1].value, points[i].value);
+    if (points.back().extinction > 0) addOpaque(points.back().value, infinity);
     const double first = m_opaque.empty() ? infinity : m_opaque.front().first / m_cell;
     m_nothing = static_cast<Real>(std::floor(std::clamp(first, -1.0, double(kCells))));
 }
@@ -161,6 +166,20 @@ void TransferTable::meanEmission(int channel, const Real* a, const Real* b, cons
 bool TransferTable::anyBetween(Real low, Real high) const {
     return std::any_of(m_opaque.begin(), m_opaque.end(),
                        [&](const auto& range) { return high >= range.first && low <= range.second; });
+}
+
+bool TransferTable::anyClear(Real low, Real high) const {
+    return std::none_of(m_opaque.begin(), m_opaque.end(),
+                        [&](const auto& range) { return low > range.first && high < range.second; });
+}
+
+Real TransferTable::edge(Real clear, Real other) const {
+    double nearest = other;
+    for (const auto& [first, last] : m_opaque) {
+        if (clear <= first) nearest = std::min(nearest, first);
+        if (clear >= last) nearest = std::max(nearest, last);
+    }
+    return static_cast<Real>(nearest);
 }
 
 }  // namespace scrim

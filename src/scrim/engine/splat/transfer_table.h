@@ -35,6 +35,11 @@ class TransferTable {
 
     /// True if any value in [low, high] has extinction.
     bool anyBetween(Real low, Real high) const;
+    /// True if any value in [low, high] has none.
+    bool anyClear(Real low, Real high) const;
+    bool clear(Real value) const { return anyClear(value, value); }
+    /// The value at which extinction begins, on the way from a `clear` value to another; `other` if it does not begin.
+    Real edge(Real clear, Real other) const;
 
   private:
     struct Function;
@@ -43,7 +48,7 @@ class TransferTable {
     double m_cell;                                    // width in values; place i is at i * m_cell
     Real m_nothing;                                   // the place up to which there is no extinction
     std::vector<Function> m_functions;                // extinction, extinction times R, G, B
-    std::vector<std::pair<double, double>> m_opaque;  // closed ranges of values; outside of them extinction is 0
+    std::vector<std::pair<double, double>> m_opaque;  // ranges of values, ascending; outside of them extinction is 0
 };
 
 }  // namespace scrim

@@ -108,7 +108,8 @@ TEST_F(SurfaceOnItsWay, AttenuatesTheSameAlongCellsAndAlongRays) {
             at.eyeB[k] = static_cast<Real>(view.tsSource.y);
         }
         auto byRays = std::make_unique<ClassifiedTile>();
-        EXPECT_EQ(surface->meanExtinction(p, view, cell, *byCells), surface->meanExtinction(p, at, *byRays)) << p;
+        EXPECT_EQ(surface->meanExtinction(p, view, cell, nullptr, *byCells), surface->meanExtinction(p, at, *byRays))
+            << p;
         for (int k = 0; k < kTileSize; ++k) {
             EXPECT_NEAR(byCells->extinction[k], byRays->extinction[k], 2e-3) << p << " " << k;
             depth += double(byCells->extinction[k]);
