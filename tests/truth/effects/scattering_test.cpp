@@ -269,6 +269,40 @@ void fillSource(const ViewScene& scene, const CellMedia& media, const std::vecto
     first.addTo(set, classes, media, {}, solver.clearedSource());
 }
 
+// What scatters unlike by colour is solved for each; the light's way to the cells is followed once, if it is the same.
+TEST(MultipleScattering, TakesFirstLightOfOneColourForAnother) {
+    for (const bool near : {false, true}) {
+        ViewScene scene = smoke(1, 0.9, 0.5, {1, -1, 0.3});
+        if (near) scene.lights = {lamp({0, 0, 0}, 1)};
+        scene.lights.front().intensity = Rgb(1, 3, 0.5);
+        const std::vector<ScatterClass> classes = scatterClasses(scene, 64);
+        const CellMedia media = cellMedia(scene, classes, 2, Simd());
+        const Ordinates set = ordinates(64);
+        TransportSolver solver(media, classes, {set, 1e-3, 60, {}, {}});
+        const auto light = [&](int colour) {
+            return FirstLight(scene, planTransport(scene).targets.front(), colour, {media, media, classes, false},
+                              solver);
+        };
+        const auto source = [&](const FirstLight& first) {
+            first.addTo(set, classes, media, {}, solver.clearedSource());
+            return solver.source();
+        };
+        FirstLight turned = light(0);
+        ASSERT_TRUE(turned.turnTo(1, media, media));
+        const std::vector<Real> ofTurned = source(turned), ofOwn = source(light(1));
+        double most = 0;
+        for (const Real own : ofOwn) most = std::max(most, double(own));
+        for (std::size_t i = 0; i < ofOwn.size(); ++i) ASSERT_NEAR(ofTurned[i], ofOwn[i], 1e-6 * most) << i;
+        EXPECT_GT(most, 0);
+
+        CellMedia tinted = media;
+        tinted.extinction.assign(3, media.extinction.front());
+        EXPECT_FALSE(turned.turnTo(2, tinted, tinted));
+        scene.lights.front().intensity = Rgb(0, 1, 1);
+        EXPECT_FALSE(light(0).turnTo(1, media, media));
+    }
+}
+
 // Cells twice as large do most of the work.
 TEST(MultipleScattering, TakesFewSweepsHoweverOftenLightScatters) {
     const ViewScene scene = smoke(1, 0.999, 0, {1, -1, 0});

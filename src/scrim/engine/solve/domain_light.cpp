@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -103,6 +104,9 @@ struct DomainLight::Passes {
           last(scene, media, settings.classes, settings.plan.ordinates, {eye ? &scene.camera : nullptr, flux}, solver,
                settings.simd) {}
 
+    FirstLight::Cells cells(const CellMedia& media) const {
+        return {media, last.media(), last.classes(), !eye, border ? border->around.get() : nullptr};
+    }
     // What enters in the next pass: of larger cells, or of the target's skies.
     PassInflow next(const ScatterTarget& target, int colour, bool skies) {
         if (border) return border->passes[nextPass++];
@@ -146,8 +150,17 @@ void DomainLight::solve(const Settings& settings, const CellMedia& media, const 
     Passes passes(settings, media, border, inner);
     const std::vector<ScatterTarget>& targets = settings.plan.targets;
     for (std::size_t t = 0; t < targets.size(); ++t) {
-        for (const auto& [target, colours] : partsOf(settings.scene, settings.plan, targets[t]))
-            solvePart(settings, media, passes, t, target, colours);
+        std::optional<FirstLight> first;
+        const ScatterTarget* before = nullptr;
+        const auto parts = partsOf(settings.scene, settings.plan, targets[t]);
+        for (const auto& [target, colours] : parts) {
+            const int colour = axisOfLargest(colours);
+            const bool alike = before && before->lights == target.lights && before->emission == target.emission;
+            if (!alike || !first->turnTo(colour, media, passes.last.media()))
+                first.emplace(settings.scene, target, colour, passes.cells(media), passes.solver);
+            solvePart(settings, media, passes, *first, t, target, colours);
+            before = &target;
+        }
         for (std::size_t f = t * m_classes; f < (t + 1) * m_classes; ++f)
             for (const auto& field : {m_fields[f], m_unscattered[f]})
                 if (field) fillBorders(passes.solver, *field);
@@ -163,23 +176,20 @@ void DomainLight::solve(const Settings& settings, const CellMedia& media, const 
 // The first is of paths that only volumes that scatter fully have scattered so far; all volumes show its light. The
 // second begins with the light that volumes that scatter once send on, from lights and from the first solve; only
 // volumes that scatter fully show it.
-void DomainLight::solvePart(const Settings& settings, const CellMedia& media, Passes& passes, std::size_t t,
-                            const ScatterTarget& target, const Rgb& colours) {
+void DomainLight::solvePart(const Settings& settings, const CellMedia& media, Passes& passes, const FirstLight& first,
+                            std::size_t t, const ScatterTarget& target, const Rgb& colours) {
     const auto& [scene, plan, classes, kept, simd, checkpoint] = settings;
     TransportSolver& solver = passes.solver;
     LastSweep& last = passes.last;
     const Ordinates& directions = passes.directions;
     const auto colour = std::size_t(axisOfLargest(colours));
     const bool someOnce = std::ranges::any_of(classes, &ScatterClass::once);
-    const Around* around = passes.border ? passes.border->around.get() : nullptr;
     const auto keepIn = [&](const std::vector<std::shared_ptr<CellField>>& fields, int which, const auto& own,
                             const auto& straight, double factor) {
         keep(last.classes(), solver, own, straight, which, factor * colours, &fields[t * m_classes]);
     };
     const std::vector<std::vector<Real>> none;
     const bool skies = !inflowOf(scene, target, directions, int(colour)).empty();
-    const FirstLight first(scene, target, int(colour), {media, last.media(), last.classes(), !passes.eye, around},
-                           solver);
     first.addTo(directions, classes, media, simd, solver.clearedSource());
     const PassInflow enters = passes.next(target, int(colour), true);
     m_solved += solver.solve(colour, enters.ofSolve);

@@ -21,6 +21,8 @@
 
 namespace scrim {
 
+class FirstLight;
+
 /// What the cells keep of radiance along ordinates: what an eye sees of it after one more scattering, its mean over all
 /// directions, or that and its flux.
 enum class KeptLight { towardsEye, mean, meanAndFlux };
@@ -78,8 +80,8 @@ class DomainLight {
     struct Passes;
     void solve(const Settings& settings, const CellMedia& media, const DomainBorder* border,
                const std::vector<DomainBorder*>& inner);
-    void solvePart(const Settings& settings, const CellMedia& media, Passes& passes, std::size_t t,
-                   const ScatterTarget& target, const Rgb& colours);
+    void solvePart(const Settings& settings, const CellMedia& media, Passes& passes, const FirstLight& first,
+                   std::size_t t, const ScatterTarget& target, const Rgb& colours);
     void keep(const std::vector<ScatterClass>& classes, const TransportSolver& solver,
               const std::vector<std::vector<Real>>& kept, const std::vector<std::vector<Real>>& straight, int which,
               const Rgb& colours, const std::shared_ptr<CellField>* fields) const;

@@ -380,6 +380,25 @@ FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int 
     }
 }
 
+bool FirstLight::turnTo(int colour, const CellMedia& media, const CellMedia& last) {
+    if (!m_onSides.empty() || media.extinction.size() > 1 || last.extinction.size() > 1 || last.straight.size() > 1)
+        return false;
+    std::vector<Real> factors;
+    for (const auto& [owner, light] : m_points) {
+        if (light.slide || light.intensity[m_colour] == 0) return false;
+        factors.push_back(static_cast<Real>(light.intensity[colour] / light.intensity[m_colour]));
+        if (!m_straight.empty() && factors.back() != factors.front()) return false;  // it is the sum of all
+    }
+    for (std::size_t p = 0; p < factors.size(); ++p) {
+        for (Real& irradiance : m_irradiance[p]) irradiance *= factors[p];
+        for (auto& [row, travel, irradiance] : m_near[p]) irradiance *= factors[p];
+    }
+    for (std::vector<Real>& row : m_straight)
+        for (Real& light : row) light *= factors.empty() ? Real(1) : factors.front();
+    m_colour = colour;
+    return true;
+}
+
 FirstLight FirstLight::ofOnce() const {
     FirstLight out = *this;
     out.m_once = true;

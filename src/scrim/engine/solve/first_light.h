@@ -37,6 +37,9 @@ class FirstLight {
     /// `solver` must outlive this object.
     FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, const Cells& cells,
                const TransportSolver& solver);
+    /// Becomes the same light in another colour. False, without a change, if that is more than a factor: where media
+    /// dim colours unlike, a light has a picture, or walls send some back. `media`, `last`: as in Cells.
+    bool turnTo(int colour, const CellMedia& media, const CellMedia& last);
     /// The same light where classes that scatter once send it on, without emission.
     FirstLight ofOnce() const;
 
