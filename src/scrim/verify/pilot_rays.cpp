@@ -89,7 +89,6 @@ class PilotScene {
     // comes from there.
     struct Seen {
         double exact = 0, texels = 0, alpha = 0, alphaTexels = 0, thickness = 0;
-        bool visible() const { return alpha >= 1e-3; }
     };
     Seen look(int number, bool texels = true) const {
         const auto [origin, direction] = ray(number);
@@ -399,27 +398,51 @@ Vec3 pilotPlace(int i) {
     return {evenPoint(i), glm::fract(0.5 + 0.618034 * i)};
 }
 
+namespace {
+
+constexpr double kFaint = 1e-3;
+
+// What some rays show, relative to the most that any of them does: a picture may be thin all over.
+struct Faintest {
+    double alpha = 0, radiance = 0;
+
+    template <class Rays>
+    explicit Faintest(const Rays& rays) {
+        for (const auto& ray : rays) {
+            alpha = std::max(alpha, kFaint * ray.alpha);
+            radiance = std::max(radiance, kFaint * ray.radiance);
+        }
+    }
+    template <class Ray>
+    bool shows(const Ray& ray) const {
+        return (ray.alpha > 0 && ray.alpha >= alpha) || (ray.radiance > 0 && ray.radiance >= radiance);
+    }
+};
+
+}  // namespace
+
 PilotSight pilotSight(const ViewScene& given, int rays) {
     const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostPilotLights));
     const PilotScene pilots(scene);
     struct Ray {
-        PilotScene::Seen seen;
-        double depthAtEye = 0;
+        double radiance = 0, alpha = 0, thickness = 0, depthAtEye = 0;
     };
     std::vector<Ray> all(static_cast<std::size_t>(rays));
     parallelFor(all.size(), [&](std::size_t i) {
-        all[i] = {pilots.look(static_cast<int>(i), false), pilots.depthAtEye(static_cast<int>(i))};
+        const PilotScene::Seen seen = pilots.look(static_cast<int>(i), false);
+        all[i] = {seen.exact, seen.alpha, seen.thickness, pilots.depthAtEye(static_cast<int>(i))};
     });
     PilotSight sight;
+    const Faintest faintest(all);
     double light = 0, thickness = 0, squares = 0, depthAtEye = 0;
     int count = 0;
     for (const Ray& ray : all) {
-        light += ray.seen.exact;
-        thickness += ray.seen.thickness;
+        light += ray.radiance;
+        thickness += ray.thickness;
         depthAtEye += ray.depthAtEye;
-        if (!ray.seen.visible()) continue;
-        sight.radiance += ray.seen.exact;
-        squares += ray.seen.exact * ray.seen.exact;
+        if (!faintest.shows(ray)) continue;
+        sight.radiance += ray.radiance;
+        squares += ray.radiance * ray.radiance;
         ++count;
     }
     if (light > 0) sight.thickness = thickness / light;
@@ -464,21 +487,28 @@ struct PilotRadiance {
     PilotRadiance(const ViewScene& given, int count)
         : scene(withFewSubLights(given, static_cast<int>(kMostPilotLights))),
           pilots(scene),
-          seen(look(pilots, count)) {}
+          seen(look(pilots, count)),
+          faintest(seen) {
+        leaveShown(seen);
+    }
 
-    // What each ray sees; 0 where nothing is visible.
     static std::vector<Ray> look(const PilotScene& through, int count) {
         std::vector<Ray> rays(static_cast<std::size_t>(count));
         parallelFor(rays.size(), [&](std::size_t i) {
             const PilotScene::Seen ray = through.look(static_cast<int>(i), false);
-            if (ray.visible()) rays[i] = {ray.exact, ray.alpha};
+            rays[i] = {ray.exact, ray.alpha};
         });
         return rays;
+    }
+    void leaveShown(std::vector<Ray>& rays) const {
+        for (Ray& ray : rays)
+            if (!faintest.shows(ray)) ray = {};
     }
 
     const ViewScene scene;
     const PilotScene pilots;
-    const std::vector<Ray> seen;
+    std::vector<Ray> seen;  // 0 where a ray shows nothing
+    const Faintest faintest;
 };
 
 CoarserPilot::CoarserPilot(const ViewScene& scene, int rays)
@@ -488,7 +518,8 @@ CoarserPilot::~CoarserPilot() = default;
 double CoarserPilot::error(const ViewScene& coarser) const {
     const ViewScene scene = withFewSubLights(coarser, static_cast<int>(kMostPilotLights));
     const PilotScene pilots(scene, &m_rays->pilots);
-    const std::vector<PilotRadiance::Ray> seen = PilotRadiance::look(pilots, static_cast<int>(m_rays->seen.size()));
+    std::vector<PilotRadiance::Ray> seen = PilotRadiance::look(pilots, static_cast<int>(m_rays->seen.size()));
+    m_rays->leaveShown(seen);
     // Of radiance, and of alpha, which shows edges where there is little light.
     double most = 0;
     for (const auto value : {&PilotRadiance::Ray::radiance, &PilotRadiance::Ray::alpha}) {
@@ -518,7 +549,7 @@ double pilotError(const ViewScene& given, int rays, int mostRays) {
             Task& own = tasks[number];
             for (; own.tries * kTasks < kMostTries * rays && own.count * kTasks < rays; ++own.tries) {
                 const PilotScene::Seen seen = pilots.look(own.tries * kTasks + static_cast<int>(number));
-                if (!seen.visible() && seen.exact <= 0) continue;
+                if (seen.alpha < kFaint && seen.exact <= 0) continue;
                 own.radiance.add(seen.exact, seen.texels);
                 own.alpha.add(seen.alpha, seen.alphaTexels);
                 ++own.count;
