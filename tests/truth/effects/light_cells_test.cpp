@@ -538,6 +538,26 @@ TEST(SkyWithASun, AgreesWithTheReferenceOfItsPicture) {
     EXPECT_LT(errorOf(scene, 80), 0.01);
 }
 
+// A sky that is ten times as bright behind the smoke as 25 degrees beside it.
+Light skyBehind(const Camera& camera) {
+    Light sky = domeLight(0);
+    const Vec3 behind = glm::normalize(viewingAxis(camera) + Vec3(0, 0.15, 0));
+    sky.slide.emplace();
+    sky.slide->image = makeTexture(256, 128, [&](int x, int y) {
+        const double cosine = glm::dot(domeDirection(sky, (x + 0.5) / 256, (y + 0.5) / 128), behind);
+        return Rgb(std::pow(10, -glm::degrees(std::acos(std::clamp(cosine, -1.0, 1.0))) / 25));
+    });
+    sky.slide->parts = std::make_shared<const SkyParts>(skyParts(*sky.slide->image));
+    return sky;
+}
+
+// Lobes show it as it is. Directions with caps as wide as if they were even left 2.1 %.
+TEST(LightOnCells, OfASkyThatIsBrightBehindTheSmokeIsNearBruteForceInALobe) {
+    ViewScene scene = perspectiveSmoke({0.8});
+    scene.lights = {skyBehind(scene.camera)};
+    EXPECT_LT(errorOf(scene, 16), 0.01);
+}
+
 TEST(LightOnCells, DoesNotDependOnThreads) {
     ViewScene scene = perspectiveSmoke({0.5});
     scene.lights = {domeLight(40), areaLight(AreaShape::sphere, {5, 3, 2}, 2, 12, kWarm), lamp({-3, 2, 1}, 20)};
