@@ -67,12 +67,16 @@ FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
     // The smallest power of two that suffices. With six instead of eight steps of texels per voxel, the error of thin
     // media rises by 0.7 %; for sheets six steps suffice.
     constexpr double kTexels = 0.95, kSheets = 0.75;
-    const auto steps = [&](double voxel, double enough) {
-        int n = 2;
+    // Texels of a quarter of a voxel are for small errors. Two steps a texel left more than the texels themselves:
+    // where one depth is all that is seen, beside a lamp, 3.8 % instead of 1.1, which flickered. Much larger footprints
+    // have enough steps anyway, and their tables would be large.
+    constexpr double kWide = 8;
+    const auto steps = [&](int n, double voxel, double enough) {
         while (n < 128 && n * voxel < enough * stepsPerVoxel) n *= 2;
         return n;
     };
-    return {steps(std::min(voxelAlong(0), voxelAlong(1)), kTexels), steps(voxelAlong(2), kSheets)};
+    const double voxel = std::min(voxelAlong(0), voxelAlong(1));
+    return {steps(voxel < kWide ? 4 : 2, voxel, kTexels), steps(2, voxelAlong(2), kSheets)};
 }
 
 FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, const Steps& steps) : m_steps(steps) {

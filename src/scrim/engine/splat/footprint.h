@@ -113,7 +113,7 @@ class FootprintPieces {
 };
 
 /// How finely positions are quantised: powers of two, with at least 3/4 of `stepsPerVoxel` for a voxel of the size that
-/// `tsFromIs` gives it.
+/// `tsFromIs` gives it, and at least four a texel but for voxels of 8 texels and more.
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel);
 
 /// The same for a table with slopes.
