@@ -11,6 +11,7 @@ The volume is a ball of noise, or an asset with cubic voxels about the origin; -
     orbit                  the camera turns by half a degree about the volume
     pan                    the camera moves aside by a hundredth of the volume
     lamp, within           a lamp moves by a hundredth of the volume beside it, or in it, where it has a radius of three hundredths
+    bare                   a lamp without a radius moves in the volume, the same way
     swelling               the volume grows by half a hundredth
 
 A row a motion and preset: excess of the beauty and of its layers, in per cent, the most that is promised, and seconds.
@@ -27,7 +28,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 SCRIM = Path(os.environ.get("SCRIM_BUILD", HERE.parents[2] / "build")) / "bin" / "scrim"
-MOTIONS = ("behind", "aside", "front", "orbit", "pan", "lamp", "within", "swelling")
+MOTIONS = ("behind", "aside", "front", "orbit", "pan", "lamp", "within", "bare", "swelling")
 AZIMUTHS = {"behind": 0, "aside": 90, "front": 150}  # degrees of the sun; 0 is behind the volume
 COLUMNS = ["motion", "quality", "beauty", "direct", "indirect", "promised", "seconds"]
 
@@ -84,7 +85,7 @@ def scene_of(motion, options):
         text += f'[volume.transform]\nscale = {keyed(vector([1.005 ** i] * 3) for i in frames)}\n'
     text += (f'[volume.medium]\nalbedo = [{options.albedo}, {options.albedo}, {options.albedo}]\n'
              f'phase = {{ type = "hg", g = {options.g} }}\nscattering = "{options.scattering}"\n')
-    if motion in ("lamp", "within"):
+    if motion in ("lamp", "within", "bare"):
         place = (-0.5, 0.3, 0.3) if motion == "lamp" else (-0.15, 0, 0)
         moving = keyed(at(place[0] + 0.01 * i, *place[1:]) for i in frames)
         text += f'[[light]]\nname = "lamp"\ntype = "point"\nposition = {moving}\nintensity = {2 * size * size}\n'
