@@ -29,6 +29,8 @@ constexpr double kVeryFlat = 8;       // edges of voxels that take steps half as
 constexpr double kFlatReach = 7;      // voxels by which flat ones that are four times coarser may reach farther
 constexpr double kLeastShare = 1e-3;  // steps that contribute less than this to the ray are not lit
 constexpr double kMostUnlit = 0.01;   // of a ray through volumes of unlike voxels, between points that are lit
+constexpr double kThin = 0.25;        // volumes with less optical depth are lit in finer parts,
+constexpr double kThinnest = 1e-4;    // down to this part of these
 constexpr double kReach = 2.25;       // of texels: two along one axis, one along the other
 constexpr double kMostDepth = 7;      // optical depth at which a ray ends
 constexpr int kMostSteps = 400;       // per ray
@@ -58,8 +60,10 @@ class PilotScene {
             }
             own.step = m_step * voxelOf(volume);
             m_bounds.include(own.bounds);
+            if (const double depth = mostDepth(volume, glm::length(own.bounds.size())); depth > 0)
+                m_thin = std::clamp(depth / kThin, kThinnest, m_thin);
         }
-        if (like != nullptr) m_bounds = like->m_bounds;
+        if (like != nullptr) m_bounds = like->m_bounds, m_thin = like->m_thin;
         m_voxel = like != nullptr ? like->m_voxel : voxelUnit(scene);
         for (PilotVolume& volume : m_volumes) {
             const double octaves = std::floor(std::log2(volume.step / (m_step * m_voxel)) + 1e-9);
@@ -108,12 +112,12 @@ class PilotScene {
             if (stuff[0].opacity + stuff[1].opacity + stuff[0].glow + stuff[1].glow <= 0) return true;
             const double before = radiance[0], share = through[0] * stuff[0].extinction * step;
             unlit += share;
-            if (m_even || unlit > kMostUnlit) {
+            if (m_even || unlit > m_thin * kMostUnlit) {
                 for (auto& all : light) {
                     all.fill(0);
                     all[kMostPilotLights] = m_ambient;
                 }
-                if (unlit > kLeastShare * m_step / kStep)
+                if (unlit > m_thin * kLeastShare * m_step / kStep)
                     for (std::size_t l = 0; l < m_lights.size(); ++l) addLight(l, at, jitter, texels, light);
                 unlit = 0;
             }
@@ -377,6 +381,7 @@ class PilotScene {
     Bounds m_bounds;
     double m_voxel = 1;
     double m_step = kStep;  // voxels
+    double m_thin = 1;      // by the thinnest volume: how fine the parts are that are lit
     bool m_flat = false;    // some voxels are
     double m_reach = 0;     // of the largest texels, world units
     bool m_even = true;
@@ -402,12 +407,12 @@ namespace {
 
 constexpr double kFaint = 1e-3;
 
-// What some rays show, relative to the most that any of them does: a picture may be thin all over.
-struct Faintest {
+// The least that counts as shown, relative to the most that any ray shows: a picture may be thin all over.
+struct FaintLimit {
     double alpha = 0, radiance = 0;
 
     template <class Rays>
-    explicit Faintest(const Rays& rays) {
+    explicit FaintLimit(const Rays& rays) {
         for (const auto& ray : rays) {
             alpha = std::max(alpha, kFaint * ray.alpha);
             radiance = std::max(radiance, kFaint * ray.radiance);
@@ -433,14 +438,14 @@ PilotSight pilotSight(const ViewScene& given, int rays) {
         all[i] = {seen.exact, seen.alpha, seen.thickness, pilots.depthAtEye(static_cast<int>(i))};
     });
     PilotSight sight;
-    const Faintest faintest(all);
+    const FaintLimit limit(all);
     double light = 0, thickness = 0, squares = 0, depthAtEye = 0;
     int count = 0;
     for (const Ray& ray : all) {
         light += ray.radiance;
         thickness += ray.thickness;
         depthAtEye += ray.depthAtEye;
-        if (!faintest.shows(ray)) continue;
+        if (!limit.shows(ray)) continue;
         sight.radiance += ray.radiance;
         squares += ray.radiance * ray.radiance;
         ++count;
@@ -488,8 +493,8 @@ struct PilotRadiance {
         : scene(withFewSubLights(given, static_cast<int>(kMostPilotLights))),
           pilots(scene),
           seen(look(pilots, count)),
-          faintest(seen) {
-        leaveShown(seen);
+          limit(seen) {
+        clearHidden(seen);
     }
 
     static std::vector<Ray> look(const PilotScene& through, int count) {
@@ -500,15 +505,15 @@ struct PilotRadiance {
         });
         return rays;
     }
-    void leaveShown(std::vector<Ray>& rays) const {
+    void clearHidden(std::vector<Ray>& rays) const {
         for (Ray& ray : rays)
-            if (!faintest.shows(ray)) ray = {};
+            if (!limit.shows(ray)) ray = {};
     }
 
     const ViewScene scene;
     const PilotScene pilots;
     std::vector<Ray> seen;  // 0 where a ray shows nothing
-    const Faintest faintest;
+    const FaintLimit limit;
 };
 
 CoarserPilot::CoarserPilot(const ViewScene& scene, int rays)
@@ -519,7 +524,7 @@ double CoarserPilot::error(const ViewScene& coarser) const {
     const ViewScene scene = withFewSubLights(coarser, static_cast<int>(kMostPilotLights));
     const PilotScene pilots(scene, &m_rays->pilots);
     std::vector<PilotRadiance::Ray> seen = PilotRadiance::look(pilots, static_cast<int>(m_rays->seen.size()));
-    m_rays->leaveShown(seen);
+    m_rays->clearHidden(seen);
     // Of radiance, and of alpha, which shows edges where there is little light.
     double most = 0;
     for (const auto value : {&PilotRadiance::Ray::radiance, &PilotRadiance::Ray::alpha}) {

@@ -124,7 +124,7 @@ double leastTurn(const ViewScene& scene, std::size_t index) {
 // rectangle before it.
 void addNarrow(const ViewScene& scene, PromisedDials& promised) {
     constexpr double kOfSurface = 0.006, kOfSky = 0.02, kNarrow = 0.25, kNarrowToSkies = 0.15, kOfPicture = 0.034,
-                     kOfPictureToLobes = 0.02, kLobe = 0.35, kOfTurn = 1.0 / 6;
+                     kOfPictureToLobes = 0.025, kLobe = 0.35, kOfTurn = 1.0 / 6;
     constexpr double kSpread = 45, kOfSpread = 0.018, kGrowth = 1.4, kClearly = 1.05;
     Narrow narrow;
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
@@ -132,9 +132,11 @@ void addNarrow(const ViewScene& scene, PromisedDials& promised) {
         if (light.intensity == Rgb(0) || (!light.area() && !light.dome())) continue;
         const double lobe = narrowestLobe(scene, i);
         const bool picture = light.dome() && light.slide;
-        const double ofSky = !picture ? kOfSky : lobe < kNarrowToSkies ? kOfPicture : kOfPictureToLobes;
+        const double ofPicture = lobe < kNarrowToSkies ? kOfPicture : kOfPictureToLobes;
         if (lobe < (picture ? kLobe : light.dome() ? kNarrowToSkies : kNarrow))
-            narrow.take(light.dome() ? ofSky : kOfSurface / std::max(lobe, kOfTurn * leastTurn(scene, i)),
+            narrow.take(picture        ? ofPicture
+                        : light.dome() ? kOfSky
+                                       : kOfSurface / std::max(lobe, kOfTurn * leastTurn(scene, i)),
                         fmt::format("phase functions as narrow as {:.2g} degrees show the extended light '{}' with its "
                                     "edges, which its sub-lights blur",
                                     glm::degrees(lobe), light.name));

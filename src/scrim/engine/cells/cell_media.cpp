@@ -122,6 +122,8 @@ void depositTile(const CellGrid& grid, const BoxDeposit& into, const Deposit& de
                          double(edge) * half, double(edge) * edge * edge, tile.value);
 }
 
+constexpr double kLarge = 1.01;  // voxels, in cells, that are interpolated
+
 // The least distance of two parallel faces of a voxel, which in a sheared volume is less than any edge.
 double leastHeight(const Mat4& wsFromIs) {
     const Mat3 m(wsFromIs);
@@ -135,13 +137,10 @@ double leastHeight(const Mat4& wsFromIs) {
 // Where a volume is turned or sheared, its voxels are no boxes along the cells. What lies in a cell is then the mean of
 // the interpolated field (light in a dense ball, turned: 6.6 % off with the boxes around its voxels, and now 0.8) at
 // this many places along each edge; 0: voxels are deposited all the same.
-int gatheredPlaces(const CellGrid& grid, const Deposit& deposit, double margin) {
-    constexpr double kPerVoxel = 1, kMost = 4;
-    const Vec3 edges = voxelEdges(deposit.wsFromIs);
-    const double places = std::ceil(kPerVoxel * grid.edge() / std::min({edges.x, edges.y, edges.z}));
-    // The field reaches half a voxel beyond the boxes of voxels. Cells with a margin are there wherever light is.
-    const bool covered = margin > 0 || largest(halfVoxel(deposit.wsFromIs)) <= grid.edge();
-    return covered && places <= kMost ? static_cast<int>(places) : 0;
+int gatheredPlaces(const CellGrid& grid, const Deposit& deposit) {
+    constexpr double kMost = 4;
+    const double places = std::ceil(grid.edge() / leastHeight(deposit.wsFromIs));
+    return places <= kMost ? static_cast<int>(places) : 0;
 }
 
 void gather(const CellGrid& grid, const Deposit& deposit, int places) {
@@ -150,31 +149,38 @@ void gather(const CellGrid& grid, const Deposit& deposit, int places) {
     const FieldSampler sampler(field);
     const Mat4 isFromWs = glm::inverse(deposit.wsFromIs);
     const Bounds reached{field.isBounds().lower - 0.5, field.isBounds().upper + 0.5};
-    const double step = 1.0 / places, share = step * step * step;
+    const double step = 1.0 / places, weight = step * step * step;
     const auto isFromCs = [&](const Vec3& cs) { return transformPoint(isFromWs, grid.wsFromCs(cs)); };
+    const auto boxOf = [&](const Int3& first, int edge) {
+        return transformed(isFromWs, {grid.wsFromCs(Vec3(first)), grid.wsFromCs(Vec3(first + edge))});
+    };
+    const auto meets = [&](const Bounds& box) {
+        return glm::all(glm::lessThanEqual(box.lower, reached.upper)) &&
+               glm::all(glm::greaterThanEqual(box.upper, reached.lower)) &&
+               !sampler.emptyAround(box.center(), 0.5 * glm::length(box.size()));
+    };
     const auto addPart = [&](std::size_t block, const Int3& part) {
         const Int3 first = grid.storedBlocks()[block] * kCellEdge + kPart * part;
-        const Bounds box = transformed(isFromWs, {grid.wsFromCs(Vec3(first)), grid.wsFromCs(Vec3(first + kPart))});
-        if (glm::any(glm::greaterThan(box.lower, reached.upper)) || glm::any(glm::lessThan(box.upper, reached.lower)) ||
-            sampler.emptyAround(box.center(), 0.5 * glm::length(box.size())))
-            return;
+        const Bounds box = boxOf(first, kPart);
+        if (!meets(box)) return;
         thread_local FieldBrick brick;
-        const bool near = brick.fill(sampler, box);
+        const bool inBrick = brick.fill(sampler, box);
         for (int i = 0; i < kPart * kPart * kPart; ++i) {
             const Int3 own(i % kPart, i / kPart % kPart, i / kPart / kPart), inside = kPart * part + own;
             double sum = 0;
             for (int k = 0; k < places * places * places; ++k) {
                 const Vec3 within = (Vec3(k % places, k / places % places, k / places / places) + 0.5) * step;
                 const Vec3 is = isFromCs(Vec3(first + own) + within);
-                sum += std::max(near ? brick.value(is) : sampler.value(is), 0.0);
+                sum += std::max(inBrick ? brick.value(is) : sampler.value(is), 0.0);
             }
             if (sum == 0) continue;
             const std::size_t cell = block * kBlockCells + std::size_t(cellOffset(inside.x, inside.y, inside.z));
             for (const Deposit::Share& to : deposit.shares)
-                (*to.row)[cell] += static_cast<Real>(to.factor * share * sum);
+                (*to.row)[cell] += static_cast<Real>(to.factor * weight * sum);
         }
     };
     parallelFor(grid.storedBlocks().size(), [&](std::size_t block) {
+        if (!meets(boxOf(grid.storedBlocks()[block] * kCellEdge, kCellEdge))) return;
         for (int i = 0; i < 8; ++i) addPart(block, {i & 1, i >> 1 & 1, i >> 2});
     });
 }
@@ -201,14 +207,14 @@ std::array<std::vector<std::vector<std::size_t>>, 8> roundsOf(const SparseField&
 // Deposits a field. Every block contributes to the cells around it. Cubes of blocks that are not neighbours share no
 // cells if they are large enough, so every other cube can be processed in parallel, in eight rounds. The sums do not
 // depend on the thread that adds them.
-// `margin`: as in cellMedia.
+// Turned volumes, and with a `margin` (see cellMedia) those of large voxels, are gathered cell by cell instead.
 void add(const CellGrid& grid, const Deposit& deposit, double margin, Simd simd) {
     const Mat3 axes(deposit.wsFromIs);
     const bool straight = !deposit.classified && axes == Mat3(axes[0].x, 0, 0, 0, axes[1].y, 0, 0, 0, axes[2].z);
     // Boxes that are larger than cells would show their edges.
-    const bool large = margin > 0 && !deposit.tents && largest(halfVoxel(deposit.wsFromIs)) > 0.505 * grid.edge();
+    const bool large = margin > 0 && !deposit.tents && 2 * largest(halfVoxel(deposit.wsFromIs)) > kLarge * grid.edge();
     if (!deposit.classified && (!straight || large))
-        if (const int places = gatheredPlaces(grid, deposit, margin); places > 0) return gather(grid, deposit, places);
+        if (const int places = gatheredPlaces(grid, deposit); places > 0) return gather(grid, deposit, places);
     constexpr int kMostShift = 24;  // one cube on each side of the origin
     const SparseField& field = *deposit.field;
     const Vec3 half = halfVoxel(deposit.wsFromIs);
@@ -243,7 +249,7 @@ void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<std::vect
     const Rgb extinction = look ? Rgb(1) : medium.densityScale * medium.extinctionTint;
     const Vec3 voxel = 2.0 * halfVoxel(volume.wsFromIs);
     const double least = std::min({voxel.x, voxel.y, voxel.z});
-    density.tents = least > 1.01 * media.grid.edge() && largest(voxel) <= margin && !look;
+    density.tents = least > kLarge * media.grid.edge() && largest(voxel) <= margin && !look;
     density.eighths = least > 0.6 * media.grid.edge();
     addShares(media.extinction, extinction, density);
     if (scattering && volume.scatter.empty())
@@ -318,10 +324,12 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin) {
     std::vector<Bounds> boxes;
     for (const ViewVolume& volume : scene.volumes)
         for (const ViewField& field : fieldsOf(volume)) {
+            const Vec3 half = halfVoxel(field.wsFromIs);  // as far as the interpolated field reaches
             const auto include = [&](const Int3& origin, int edge) {
                 Bounds box = transformed(field.wsFromIs, {Vec3(origin) - 0.5, Vec3(origin + edge) - 0.5});
-                box.lower -= margin;
-                box.upper += margin;
+                const Vec3 beyond = glm::max(Vec3(margin), half);
+                box.lower -= beyond;
+                box.upper += beyond;
                 boxes.push_back(box);
             };
             for (const Int3& origin : field.field->blockOrigins) include(origin, kBlockEdge);

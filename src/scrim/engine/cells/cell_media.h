@@ -120,9 +120,10 @@ struct CellPlaces {
 /// The cells of `edge` world units at these places.
 CellGrid cellGrid(const ViewScene& scene, double edge, const CellPlaces& places);
 
-/// All volumes of the scene in cells of `edge` world units. A voxel counts as a cube of constant value (in a rotated
-/// volume, as its box along the world's axes), and each cell gets its share, so that sums are preserved. In cells
-/// smaller than voxels that reach as far as kernels do, it counts as a tent, for means of the interpolated field.
+/// All volumes of the scene in cells of `edge` world units. A voxel counts as a cube of constant value, and each cell
+/// gets its share, so that sums are preserved. In cells smaller than voxels that reach as far as kernels do, and of
+/// turned volumes, cells have means of the interpolated field. Turned volumes with voxels much smaller than cells, and
+/// classified ones, are deposited as boxes along the world's axes.
 /// Throws Error(memory) as CellGrid does.
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
                     const CellPlaces& places = {});

@@ -32,8 +32,8 @@ class CellsOfSlice {
         if (block != m_block) findBlocks(block);
         const std::size_t inA = std::size_t(firstA & 7), inB = std::size_t(firstB & 7),
                           before = std::size_t(slice & 7) * m_steps[0];
-        m_together = inA <= kCellEdge - 4 && inB <= kCellEdge - 4;
-        if (m_together) {
+        m_inOneBlock = inA <= kCellEdge - 4 && inB <= kCellEdge - 4;
+        if (m_inOneBlock) {
             m_first =
                 std::size_t(std::max(m_stored[0], 0)) * kBlockCells + before + inA * m_steps[1] + inB * m_steps[2];
             return m_stored[0] >= 0;
@@ -52,7 +52,7 @@ class CellsOfSlice {
     std::pair<double, double> sums(const std::vector<Real>& values) const {
         std::array<Real, 16> own{};
         for (std::size_t i = 0; i < 16; ++i) {
-            if (m_together)
+            if (m_inOneBlock)
                 own[i] = values[m_first + (i & 3) * m_steps[1] + (i >> 2) * m_steps[2]];
             else if (m_cells[i] >= 0)
                 own[i] = values[std::size_t(m_cells[i])];
@@ -95,7 +95,7 @@ class CellsOfSlice {
     std::array<int, 3> m_axes;           // the slices', and those across
     std::array<std::size_t, 3> m_steps;  // from cell to cell of a block along them
     std::array<double, 4> m_along{}, m_beside{};
-    bool m_together = false;  // the cells are in one block, from m_first on; otherwise they are m_cells
+    bool m_inOneBlock = false;  // the cells are in one block, from m_first on; otherwise they are m_cells
     std::size_t m_first = 0;
     std::array<std::ptrdiff_t, 16> m_cells{};
     std::array<int, 3> m_block{1 << 28, 0, 0};
@@ -111,7 +111,8 @@ Rgb opticalDepth(const MediaTogether& media, const Vec3& ws, const Vec3& directi
 }
 
 Depths bundleDepths(const CellMedia& media, const Vec3& ws, const Vec3& direction, double distance) {
-    constexpr double kDark = 16;  // a ten-millionth of the light is left
+    constexpr double kDark = 16;    // a ten-millionth of the light is left
+    constexpr double kEven = 1e-6;  // variance relative to depth
     const CellGrid& grid = media.grid;
     const int axis = axisOfLargest(glm::abs(direction)), a = (axis + 1) % 3, b = (axis + 2) % 3;
     const bool up = direction[axis] > 0, grey = media.extinction.size() == 1;
@@ -122,7 +123,13 @@ Depths bundleDepths(const CellMedia& media, const Vec3& ws, const Vec3& directio
     const double fromA = from[a], fromB = from[b], wayA = way[a], wayB = way[b];  // across the slices
     CellsOfSlice cells(grid, axis);
     Depths out;
-    Rgb variance(0);      // of tau across the bundle
+    Rgb variance(0);  // of tau across the bundle
+    // Thin parts of the bundle let more light pass than thick ones take from it. Slices are taken for independent, so
+    // that depths have about a gamma distribution of this mean and variance; its mean of e^-depth is known.
+    const auto through = [&](int c) {
+        const double depth = out.tau[c];
+        return variance[c] > kEven * depth ? depth * depth / variance[c] * std::log1p(variance[c] / depth) : depth;
+    };
     double most = kDark;  // beyond the first slice, which may be thicker alone
     double begin = 0, end = up ? std::floor(from[axis]) + 1 - from[axis] : from[axis] - std::ceil(from[axis]) + 1;
     for (int slice = static_cast<int>(up ? std::floor(from[axis]) : std::ceil(from[axis]) - 1);
@@ -140,15 +147,9 @@ Depths bundleDepths(const CellMedia& media, const Vec3& ws, const Vec3& directio
             out.straight[int(c)] += step * cells.sums(media.straight[c]).first;
         const double depth = grey ? out.tau.x : smallest(out.tau);
         if (begin == 0) most += depth;
-        if (depth > most) break;
+        if (depth > most && (grey ? through(0) : std::min({through(0), through(1), through(2)})) > kDark) break;
     }
-    // Thin parts of the bundle let more light pass than thick ones take from it. Slices are taken for independent, so
-    // that depths have about a gamma distribution of this mean and variance; its mean of e^-depth is known.
-    constexpr double kEven = 1e-6;
-    for (int c = 0; c < 3; ++c) {
-        double& depth = out.tau[c];
-        if (variance[c] > kEven * depth) depth *= depth / variance[c] * std::log1p(variance[c] / depth);
-    }
+    for (int c = 0; c < 3; ++c) out.tau[c] = through(c);
     out.straight = glm::max(out.straight, Rgb(0));
     return grey ? Depths{Rgb(out.tau.x), Rgb(out.straight.x)} : out;
 }

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -18,7 +17,7 @@ namespace {
 
 // How far the field of the splats may be from the volume's own, as a part of the range of values around it.
 constexpr Real kVague = Real(0.25);
-// Kinks of the field matter where the transfer function begins within this part of what a ray meets of values there.
+// A kink of the field matters where the transfer function begins within this part of the range of values beside it.
 constexpr Real kAtOnce = Real(0.5);
 
 using Range = std::pair<Real, Real>;
@@ -235,13 +234,21 @@ void Surface::sharpen(int p, const SampleTile& at, const std::uint8_t* open, Cla
         const int k = places[i];
         const Real front = onward && !std::isnan(out.leaves[k]) ? out.leaves[k] : exact(runs[i][0]),
                    middle = exact(runs[i][1]), back = ends[i] = exact(runs[i][2]);
-        std::tie(out.front[k], out.middle[k]) = withEdge(runs[i][0], runs[i][1], front, middle, exact);
-        const auto [from, to] = withEdge(runs[i][1], runs[i][2], middle, back, exact);
-        if (from != middle) out.middle[k] = from;
-        out.back[k] = to;
+        const auto before = withEdge(runs[i][0], runs[i][1], front, middle, exact);
+        const auto behind = withEdge(runs[i][1], runs[i][2], middle, back, exact);
+        out.front[k] = before.first;
+        out.back[k] = behind.second;
+        // A middle that one half moves must show nothing to the other.
+        out.middle[k] = middle;
+        if (before.second != middle && clearBetween(middle, back)) out.middle[k] = before.second;
+        if (behind.first != middle && clearBetween(front, middle)) out.middle[k] = behind.first;
     }
     std::fill(out.leaves, out.leaves + kTileSize, std::numeric_limits<Real>::quiet_NaN());
     for (std::size_t i = 0; i < count; ++i) out.leaves[places[i]] = ends[i];
+}
+
+bool Surface::clearBetween(Real a, Real b) const {
+    return m_table.clear(std::min(a, b), std::max(a, b));
 }
 
 // The values `a` and `b` of the field at the ends of a part of a ray's course, of which one is clear and one is not, so
@@ -250,24 +257,25 @@ void Surface::sharpen(int p, const SampleTile& at, const std::uint8_t* open, Cla
 template <class Exact>
 std::pair<Real, Real> Surface::withEdge(const Vec3& from, const Vec3& to, Real a, Real b, const Exact& exact) const {
     constexpr int kParts = 16;
+    constexpr Real kMost = Real(0.98);  // the moved value stays finite
     const bool clearFirst = m_table.clear(a);
     if (clearFirst == m_table.clear(b)) return {a, b};
     Real& end = clearFirst ? a : b;
-    const Real other = clearFirst ? b : a, edge = m_table.edge(end, other);
-    if (std::abs(edge - end) > kAtOnce * std::abs(other - end)) return {a, b};
+    const Real opaque = clearFirst ? b : a, edge = m_table.edge(end, opaque);
+    if (std::abs(edge - end) > kAtOnce * std::abs(opaque - end)) return {a, b};
     const Vec3& origin = clearFirst ? from : to;
     const Vec3 way = (clearFirst ? to : from) - origin;
-    int last = 0;  // the last part's end at which the field is known to be clear
-    Real before = end, beyond = other;
+    const bool up = end < opaque;
+    int before = 0;  // parts on whose ends the field has not come to the edge
+    Real near = end, far = opaque;
     for (int step = kParts / 2; step > 0; step /= 2) {
-        const Real value = exact(origin + way * (double(last + step) / kParts));
-        const bool isClear = m_table.clear(value);
-        last += isClear ? step : 0;
-        (isClear ? before : beyond) = value;
+        const Real value = exact(origin + way * (double(before + step) / kParts));
+        const bool isBefore = up ? value <= edge : value >= edge;
+        before += isBefore ? step : 0;
+        (isBefore ? near : far) = value;
     }
-    constexpr Real kMost = Real(0.98);  // the moved value stays finite
-    const Real part = std::min((static_cast<Real>(last) + (edge - before) / (beyond - before)) / kParts, kMost);
-    end = (edge - part * other) / (1 - part);
+    const Real part = std::min((static_cast<Real>(before) + (edge - near) / (far - near)) / kParts, kMost);
+    end = (edge - part * opaque) / (1 - part);
     return {a, b};
 }
 

@@ -121,6 +121,7 @@ class Surface {
     const FieldBrick* voxelsIn(const Bounds& is) const;
     template <class Shows>
     void sharpen(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out, const Shows& shows) const;
+    bool clearBetween(Real a, Real b) const;
     template <class Exact>
     std::pair<Real, Real> withEdge(const Vec3& from, const Vec3& to, Real a, Real b, const Exact& exact) const;
     bool isRim(Real least, Real most) const;
@@ -144,7 +145,7 @@ class Surface {
     FieldSampler m_exact;             // the volume's own field
     Real m_most;                      // its values are limited to this
     Real m_edge;                      // the least value that shows
-    Real m_rim;                       // how far the splats may reach beyond the field: ranges of values within a sheet
+    Real m_rim;                       // see isRim: in multiples of the range of values that a ray meets in a sheet
     Mat3 m_ssFromDifference;  // converts differences over two voxels to the gradient in sweep space, per world unit
     FieldPlanes m_field;
     PlaneStack m_extinction;

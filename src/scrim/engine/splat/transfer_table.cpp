@@ -168,9 +168,9 @@ bool TransferTable::anyBetween(Real low, Real high) const {
                        [&](const auto& range) { return high >= range.first && low <= range.second; });
 }
 
-bool TransferTable::anyClear(Real low, Real high) const {
+bool TransferTable::clear(Real low, Real high) const {
     return std::none_of(m_opaque.begin(), m_opaque.end(),
-                        [&](const auto& range) { return low > range.first && high < range.second; });
+                        [&](const auto& range) { return high > range.first && low < range.second; });
 }
 
 Real TransferTable::edge(Real clear, Real other) const {

@@ -35,10 +35,11 @@ class TransferTable {
 
     /// True if any value in [low, high] has extinction.
     bool anyBetween(Real low, Real high) const;
-    /// True if any value in [low, high] has none.
-    bool anyClear(Real low, Real high) const;
-    bool clear(Real value) const { return anyClear(value, value); }
-    /// The value at which extinction begins, on the way from a `clear` value to another; `other` if it does not begin.
+    /// True if no value in [low, high] has extinction; where it begins and ends, there is none.
+    bool clear(Real low, Real high) const;
+    bool clear(Real value) const { return clear(value, value); }
+    /// The value at which extinction begins, on the way from a clear value to another; `other` if none does before
+    /// that.
     Real edge(Real clear, Real other) const;
 
   private:
