@@ -3,7 +3,6 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/cells/cell_levels.h>
-#include <scrim/volume/coarser.h>
 #include <scrim/scene/optics.h>
 #include <scrim/volume/field_sampler.h>
 
@@ -155,9 +154,7 @@ void gather(const CellGrid& grid, const Deposit& deposit, int places) {
         return transformed(isFromWs, {grid.wsFromCs(Vec3(first)), grid.wsFromCs(Vec3(first + edge))});
     };
     const auto meets = [&](const Bounds& box) {
-        return glm::all(glm::lessThanEqual(box.lower, reached.upper)) &&
-               glm::all(glm::greaterThanEqual(box.upper, reached.lower)) &&
-               !sampler.emptyAround(box.center(), 0.5 * glm::length(box.size()));
+        return overlap(box, reached) && sampler.index().anyIn({box.lower - 1.0, box.upper + 1.0});
     };
     const auto addPart = [&](std::size_t block, const Int3& part) {
         const Int3 first = grid.storedBlocks()[block] * kCellEdge + kPart * part;
@@ -206,8 +203,8 @@ std::array<std::vector<std::vector<std::size_t>>, 8> roundsOf(const SparseField&
 
 // Deposits a field. Every block contributes to the cells around it. Cubes of blocks that are not neighbours share no
 // cells if they are large enough, so every other cube can be processed in parallel, in eight rounds. The sums do not
-// depend on the thread that adds them.
-// Turned volumes, and with a `margin` (see cellMedia) those of large voxels, are gathered cell by cell instead.
+// depend on the thread that adds them. Turned volumes, and with a `margin` (see cellMedia) those of large voxels, are
+// gathered cell by cell instead.
 void add(const CellGrid& grid, const Deposit& deposit, double margin, Simd simd) {
     const Mat3 axes(deposit.wsFromIs);
     const bool straight = !deposit.classified && axes == Mat3(axes[0].x, 0, 0, 0, axes[1].y, 0, 0, 0, axes[2].z);
