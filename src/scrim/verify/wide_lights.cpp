@@ -118,10 +118,9 @@ double leastTurn(const ViewScene& scene, std::size_t index) {
 // a disk and a cylinder, and beside a sphere, with g = 0.6, 0.8, 0.9 and 0.98 (lobes of 0.4 to 0.02 radians): 1.1
 // to 2.0, 2.1 to 3.1, 5.0 to 7.7 and 18 to 125 %; the same with droplets of 1 and 10 micrometres (g of 0.85 and 0.98).
 // A dome leaves 0.9 and 2.3 % with g of 0 and 0.9, a clear sky 1.3 to 2.5 with g of 0.7 and 0.8 and 3.0 to 3.4 with
-// 0.9. Points with spreads of 45, 20, 10, 3 and 1 degrees, of surfaces that
-// are not beams, leave 1.4 to 2.6, 4.4 to 7.1, 13 to 21, 110 to 180 and 210 to 550 %. Droplets of 12 micrometres in a
-// ball leave 35 to 80 % with a rectangle and a sphere behind it, 4 to 5 % with these beside it, and 1 % with the
-// rectangle before it.
+// 0.9. Points with spreads of 45, 20, 10, 3 and 1 degrees, of surfaces that are not beams, leave 1.4 to 2.6, 4.4
+// to 7.1, 13 to 21, 110 to 180 and 210 to 550 %. Droplets of 12 micrometres in a ball leave 35 to 80 % with a rectangle
+// and a sphere behind it, 4 to 5 % with these beside it, and 1 % with the rectangle before it.
 void addNarrow(const ViewScene& scene, PromisedDials& promised) {
     constexpr double kOfSurface = 0.006, kOfSky = 0.02, kNarrow = 0.25, kNarrowToSkies = 0.15, kOfPicture = 0.034,
                      kOfPictureToLobes = 0.025, kLobe = 0.35, kOfTurn = 1.0 / 6;

@@ -151,15 +151,16 @@ void DomainLight::solve(const Settings& settings, const CellMedia& media, const 
     const std::vector<ScatterTarget>& targets = settings.plan.targets;
     for (std::size_t t = 0; t < targets.size(); ++t) {
         std::optional<FirstLight> first;
-        const ScatterTarget* before = nullptr;
+        const ScatterTarget* lastTarget = nullptr;
         const auto parts = partsOf(settings.scene, settings.plan, targets[t]);
         for (const auto& [target, colours] : parts) {
             const int colour = axisOfLargest(colours);
-            const bool alike = before && before->lights == target.lights && before->emission == target.emission;
+            const bool alike =
+                lastTarget && lastTarget->lights == target.lights && lastTarget->emission == target.emission;
             if (!alike || !first->turnTo(colour, media, passes.last.media()))
                 first.emplace(settings.scene, target, colour, passes.cells(media), passes.solver);
             solvePart(settings, media, passes, *first, t, target, colours);
-            before = &target;
+            lastTarget = &target;
         }
         for (std::size_t f = t * m_classes; f < (t + 1) * m_classes; ++f)
             for (const auto& field : {m_fields[f], m_unscattered[f]})

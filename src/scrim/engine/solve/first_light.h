@@ -37,8 +37,9 @@ class FirstLight {
     /// `solver` must outlive this object.
     FirstLight(const ViewScene& scene, const ScatterTarget& target, int colour, const Cells& cells,
                const TransportSolver& solver);
-    /// Becomes the same light in another colour. False, without a change, if that is more than a factor: where media
-    /// dim colours unlike, a light has a picture, or walls send some back. `media`, `last`: as in Cells.
+    /// Becomes the same light in another colour where that is a factor. Otherwise it does not change, and returns
+    /// false: where media attenuate colours differently, a light has a picture or none of its present colour, lights of
+    /// several colours go straight on together, or walls send some back. `media`, `last`: as in Cells.
     bool turnTo(int colour, const CellMedia& media, const CellMedia& last);
     /// The same light where classes that scatter once send it on, without emission.
     FirstLight ofOnce() const;
