@@ -166,7 +166,8 @@ std::vector<Dial> makeDials() {
     std::vector<Dial> all;
     all.push_back(number("sheet_thickness", "voxels", 0.01, 64, &Dials::sheetThickness,
                          "thickness of a sheet, before the cosine of the worst slant; error of second order"));
-    all.push_back(number("texel", "voxels", 0.05, 64, &Dials::texel, "edge of a sheet's texel; error of second order"));
+    all.push_back(number("texel", "voxels", 0.05, 64, &Dials::texel,
+                         "edge of a sheet's texel; along flat voxels, in their long edges; error of second order"));
     all.push_back(choice<SplatMode>(
         "splat", {"shared", "per-view"}, &Dials::splat,
         "rasters that receive footprints: one that all views share, or one for each view, as in the paper"));

@@ -5,6 +5,7 @@
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/geometry/even_points.h>
 #include <scrim/scene/light_at.h>
+#include <scrim/verify/pilot_sheets.h>
 #include <scrim/verify/pilot_volume.h>
 #include <scrim/volume/coarser.h>
 
@@ -38,10 +39,6 @@ constexpr int kVoxelsAtEye = 3;
 constexpr double kSure = 0.22;  // standard deviation of the mean square, relative to it
 constexpr double kFar = 1e300;
 
-double voxelOf(const ViewVolume& volume) {
-    return smallest(voxelEdges(volume.wsFromIs));
-}
-
 // The scene as pilot rays see it.
 class PilotScene {
   public:
@@ -49,25 +46,38 @@ class PilotScene {
     explicit PilotScene(const ViewScene& scene, const PilotScene* like = nullptr)
         : m_rays(wsRays(scene.camera)), m_size(scene.camera.resolution), m_lights(brightestLights(scene)) {
         FieldSamplers samplers;
-        m_flat = like != nullptr ? like->m_flat : anyFlat(scene);
-        m_step = like != nullptr ? like->m_step : stepOf(scene);
+        std::vector<const ViewVolume*> given;
         for (const ViewVolume& volume : scene.volumes) {
             if (volume.field->empty() && volume.emission.empty()) continue;
-            PilotVolume& own = m_volumes.emplace_back(volume, samplers, scene, m_lights);
+            m_bounds.include(m_volumes.emplace_back(volume, samplers, scene, m_lights).bounds);
+            given.push_back(&volume);
+        }
+        if (like != nullptr) m_bounds = like->m_bounds;
+        const PilotSheets sheets = pilotSheets(scene, m_lights, m_bounds.center());
+        const double across = sheets.across;
+        const Mat3 frame = frameAround(sheets.wsAxis);
+        m_u = frame[0];
+        m_v = frame[1];
+        m_flat = like != nullptr ? like->m_flat : across == 1 && anyFlat(scene);
+        m_step = like != nullptr ? like->m_step : m_flat ? flatStepOf(scene) : kStep;
+        for (std::size_t v = 0; v < m_volumes.size(); ++v) {
+            PilotVolume& own = m_volumes[v];
+            const double edge = shortestEdge(*given[v]);
             if (m_flat) {
-                own.bounds.lower -= kFlatReach * voxelOf(volume);
-                own.bounds.upper += kFlatReach * voxelOf(volume);
+                own.bounds.lower -= kFlatReach * edge;
+                own.bounds.upper += kFlatReach * edge;
             }
-            own.step = m_step * voxelOf(volume);
-            m_bounds.include(own.bounds);
-            if (const double depth = mostDepth(volume, glm::length(own.bounds.size())); depth > 0)
+            own.step = m_step * edge;
+            if (like == nullptr) m_bounds.include(own.bounds);
+            if (const double depth = mostDepth(*given[v], glm::length(own.bounds.size())); depth > 0)
                 m_thin = std::clamp(depth / kThin, kThinnest, m_thin);
         }
-        if (like != nullptr) m_bounds = like->m_bounds, m_thin = like->m_thin;
+        if (like != nullptr) m_thin = like->m_thin;
         m_voxel = like != nullptr ? like->m_voxel : voxelUnit(scene);
+        m_texel = m_voxel * across;
         for (PilotVolume& volume : m_volumes) {
             const double octaves = std::floor(std::log2(volume.step / (m_step * m_voxel)) + 1e-9);
-            volume.texel = m_voxel * std::exp2(std::max(octaves, 0.0));
+            volume.texel = octaves > 0 ? m_voxel * std::exp2(octaves) : m_texel;
             m_reach = std::max(m_reach, kReach * volume.texel);
         }
         sortIntoCells();
@@ -76,16 +86,6 @@ class PilotScene {
         if (scene.solids && scene.solids->any(SolidRole::holdout)) m_holdouts = scene.solids.get();
         m_ambient = 4 * glm::pi<double>() * glm::dot(scene.ambient, Rgb(1.0 / 3));
         chooseWeights(like, anyEmits(scene));
-        // Sheets lie half-way between eye and light. Any two axes within them will do.
-        Vec3 axis = viewingAxis(scene.camera);
-        if (!m_lights.empty()) {
-            const Vec3 way = -toLight(*m_lights.front().light, m_bounds.center());
-            axis = glm::dot(way, axis) >= 0 ? axis + way : axis - way;
-        }
-        axis = glm::normalize(axis);
-        const Mat3 frame = frameAround(axis);
-        m_u = frame[0];
-        m_v = frame[1];
     }
 
     // Radiance of ray `number` of the pilots through the field and through texels of it, and alpha; all 0 where the ray
@@ -158,8 +158,7 @@ class PilotScene {
     }
 
   private:
-    static double stepOf(const ViewScene& scene) {
-        if (!anyFlat(scene)) return kStep;
+    static double flatStepOf(const ViewScene& scene) {
         const bool very =
             std::ranges::any_of(scene.volumes, [](const ViewVolume& v) { return flatness(v) > kVeryFlat; });
         return very ? 0.5 * kFlatStep : kFlatStep;
@@ -240,11 +239,6 @@ class PilotScene {
             }
         }
     }
-    // Unit vector to the light; 0, 0, 0 at the place of the light itself.
-    static Vec3 toLight(const Light& light, const Vec3& from) {
-        const Vec3 way = light.distant() ? -light.wsDirection : light.wsPosition - from;
-        return way == Vec3(0) ? way : glm::normalize(way);
-    }
     // What is at a point, and what texels show there if they are asked for. Of several volumes, those that are even
     // there show the same. `light`: the light whose shadows are looked up; none: the eye looks.
     template <class Stuff>
@@ -304,7 +298,7 @@ class PilotScene {
     // How many steps along a ray from `at` see the same values as `at`, both in the field and in texels; 0 if unknown.
     int evenSteps(const Vec3& at, const Vec3& direction, double step) const {
         if (m_volumes.size() != 1) return 0;
-        const double way = m_volumes.front().evenAlong(at, direction, kReach * m_voxel);
+        const double way = m_volumes.front().evenAlong(at, direction, kReach * m_texel);
         return way < 0 ? 0 : 1 + static_cast<int>(std::min(way / step, 1.0 * kMostSteps));
     }
     // The field as texels reconstruct it: bilinear between the four nearest texels of f - 1/12 (second differences), a
@@ -380,6 +374,7 @@ class PilotScene {
     double m_ambient = 0;
     Bounds m_bounds;
     double m_voxel = 1;
+    double m_texel = 1;     // of the finest volumes
     double m_step = kStep;  // voxels
     double m_thin = 1;      // by the thinnest volume: how fine the parts are that are lit
     bool m_flat = false;    // some voxels are
@@ -389,15 +384,6 @@ class PilotScene {
 };
 
 }  // namespace
-
-double flatness(const ViewVolume& volume) {
-    return largest(voxelEdges(volume.wsFromIs)) / voxelOf(volume);
-}
-
-bool anyFlat(const ViewScene& scene) {
-    constexpr double kFlat = 2;
-    return std::ranges::any_of(scene.volumes, [](const ViewVolume& volume) { return flatness(volume) > kFlat; });
-}
 
 Vec3 pilotPlace(int i) {
     return {evenPoint(i), glm::fract(0.5 + 0.618034 * i)};

@@ -13,12 +13,6 @@ namespace scrim {
 /// additive recurrence spreads the rays evenly and is the same in every run.
 Vec3 pilotPlace(int i);
 
-/// The longest edge of a volume's voxels over the shortest.
-double flatness(const ViewVolume& volume);
-
-/// True if a volume has voxels of more than 1 : 2.
-bool anyFlat(const ViewScene& scene);
-
 inline constexpr int kMostPilotRays = 384;
 
 /// A rough relative RMSE that texels of one voxel, of each volume its own, leave along `rays` rays over the whole

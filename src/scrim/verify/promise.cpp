@@ -14,6 +14,7 @@
 #include <scrim/verify/light_cell_pilot.h>
 #include <scrim/verify/pilot_picture.h>
 #include <scrim/verify/pilot_rays.h>
+#include <scrim/verify/pilot_sheets.h>
 #include <scrim/verify/pilot_volume.h>
 #include <scrim/verify/wide_lights.h>
 
@@ -230,6 +231,10 @@ ToleranceModel modelOfMedia(const ViewScene& scene, int mostRays) {
     // A ball of 1 : 1 : 1/100, 1/1000: sheets of 1.5 voxels left 1.4 %, where texels of half a voxel left 0.3.
     constexpr double kFlatSheets = 2.5;
     if (anyFlat(scene)) model.sheets *= kFlatSheets;
+    // Rays cross those sheets at a slant, and no texel is as fine as the picture: balls of 1 : 1 : 1/3 to 1/100 were
+    // left 0.65 to 1.2 % where 1 was foreseen.
+    constexpr double kAlongFlat = 1.3;
+    if (sheetsAlongFlatVoxels(scene)) model.texels *= kAlongFlat;
     return model;
 }
 
@@ -347,14 +352,17 @@ PromisedDials dialsOf(const ViewScene& scene, double promised, int mostRays = kM
 double roughSeconds(const ViewScene& scene, const Dials& dials) {
     constexpr double kFootprint = 2e-8, kTexel = 1.2e-9, kReach = 4, kPixelSheet = 4.5e-9, kFlat = 2.4;
     const double across = kReach / dials.texel, picture = double(scene.picture.pixelCount());
+    const bool onCells = anyScattersFully(scene) || !planCellLights(scene).lights.empty();
+    const bool along = !onCells && sheetsAlongFlatVoxels(scene);
     double seconds = 0;
     for (const ViewVolume& volume : scene.volumes) {
         const Bounds ws = transformed(volume.wsFromIs, volume.field->isBounds());
         if (ws.empty()) continue;
-        // Sheets are as thin as the short edges of flat voxels, whose footprints then have many texels in many sheets:
-        // a voxel of 1 : 1 : 1/100 has had 6e4 times those of a cube.
-        const double flat = std::pow(flatness(volume), kFlat), voxel = voxelUnit(volume);
-        const double extent = glm::length(ws.size()) / std::numbers::sqrt3;
+        // Cells are cubes. Sheets across flat voxels are as thin as their short edges, and footprints then have many
+        // texels in many sheets: a voxel of 1 : 1 : 1/100 has had 6e4 times those of a cube.
+        const double flat = along ? 1 : std::pow(flatness(volume), kFlat), voxel = voxelUnit(volume);
+        const double extent = (along ? voxel * glm::length(volume.field->isBounds().size()) : glm::length(ws.size())) /
+                              std::numbers::sqrt3;
         seconds +=
             double(volume.field->activeVoxels) * (kFootprint + kTexel * across * across * flat) +
             std::min(pixelsOf(scene.camera, ws), picture) * extent / (dials.sheetThickness * voxel) * kPixelSheet;
@@ -441,11 +449,10 @@ PromisedDials dialsAsHeld(const ViewScene& given, const std::string& quality,
     constexpr double kOfLightCells = 0.35;
     ViewScene scene = given;
     const bool classified = anyClassified(scene);
-    // Flat voxels begin with some that are far thinner than a pixel already: rays through those of 1 : 1000 would take
-    // hundreds of steps a pixel.
+    // Flat voxels that sheets do not lie along, and those with light on cells, which are cubes, begin with some that
+    // are far thinner than a pixel already: rays through those of 1 : 1000 would take hundreds of steps a pixel.
     constexpr double kOfFlat = 0.13;
-    const bool flat = !classified && atLod && anyFlat(scene);
-    if (flat) scene = atLod(kOfFlat);
+    if (!classified && atLod && anyFlat(scene) && !sheetsAlongFlatVoxels(scene)) scene = atLod(kOfFlat);
     const double promised = promisedError(quality, classified), finest = finestFor(promised, classified);
     PromisedDials out = classified || !atLod ? dialsOf(scene, promised) : withCoarser(atLod, promised, scene);
     out.promised = promised;

@@ -294,10 +294,10 @@ TEST(Presets, ShowTheSkyThroughTheRimsOfDenseSmoke) {
     EXPECT_LT(errorOf(scene, chosen.dials), 0.04);  // 0.19 on cells of two voxels
 }
 
-// A cloud of slices that are far thinner than a pixel. Its file's voxels would take texels of a hundredth of a pixel.
-TEST(Presets, PutThinSlicesTogetherAndKeepTheirPromise) {
+// A cloud of slices that are far thinner than a pixel. Where sheets lie along them, they are rendered as they are.
+// Across them, the file's voxels would take texels of a hundredth of a pixel.
+TEST(Presets, KeepTheirPromisesForThinSlices) {
     ViewScene fine = smoke(10, 0.15, 40);
-    fine.lights = {distantLight({0.4, -0.5, -1})};
     constexpr double kFlat = 1.0 / 64;
     for (ViewVolume& volume : fine.volumes) {
         volume.wsFromIs = glm::scale(Mat4(1), Vec3(1, 1, kFlat)) * volume.wsFromIs;
@@ -306,6 +306,7 @@ TEST(Presets, PutThinSlicesTogetherAndKeepTheirPromise) {
     const double pixel = pixelAt(fine.camera, 1);
     const auto atLod = [&](double lod) {
         ViewScene scene = fine;
+        scene.dials.lod = lod;
         for (ViewVolume& volume : scene.volumes)
             while (2 * voxelUnit(volume) <= lod * pixel) {
                 const Mat4 placed = volume.wsFromIs * glm::inverse(volume.field->wsFromIs);
@@ -314,12 +315,21 @@ TEST(Presets, PutThinSlicesTogetherAndKeepTheirPromise) {
             }
         return scene;
     };
-    const PromisedDials chosen = promisedDials(fine, "standard", atLod);
-    ASSERT_GT(chosen.dials.lod.value_or(0), 0.2);
-    ViewScene scene = atLod(*chosen.dials.lod);
-    scene.dials = chosen.dials;
-    const Image image = render(scene, makePlan(scene, 2)).image;
-    EXPECT_LT(summarise(samplePixels(fine, image, 250, 3)).error, 1.5 * chosen.promised);
+    const auto expectKept = [&](const std::string& quality, double times) {
+        const PromisedDials chosen = promisedDials(fine, quality, atLod);
+        ViewScene scene = atLod(chosen.dials.lod.value_or(0));
+        scene.dials = chosen.dials;
+        const Image image = render(scene, makePlan(scene, 2)).image;
+        EXPECT_LT(summarise(samplePixels(fine, image, 250, 3)).error, times * chosen.promised) << quality;
+        return chosen.dials.lod.value_or(0);
+    };
+    fine.lights = {distantLight({0.4, -0.5, -1})};
+    EXPECT_LT(expectKept("standard", 1.5), 0.1);
+    // Slices that were averaged up to an eighth of a pixel left 4 % under a slanted sun, at each preset.
+    fine.lights = {distantLight({-1, -1, -0.5})};
+    EXPECT_LT(expectKept("high", 2), 0.1);
+    fine.lights = {distantLight({-1, -1, -0.01})};
+    EXPECT_GT(promisedDials(fine, "standard", atLod).dials.lod.value_or(0), 0.1);
 }
 
 namespace {

@@ -2,6 +2,7 @@
 #include <scrim/engine/plan/light_groups.h>
 
 #include <scrim/base/error.h>
+#include <scrim/engine/plan/flat_voxels.h>
 #include <scrim/image/light_profile.h>
 #include <scrim/scene/slide_map.h>
 #include <scrim/geometry/enclosing_cone.h>
@@ -131,6 +132,7 @@ struct Item {
     double meanSlant;  // mean over both sides that serve the part, weighted by their shares
     Vec3 mean;
     std::string name;
+    std::optional<FlatSheets> flat;  // where these serve it better
 };
 
 // The share of the sweep with s = +1 in a light whose angle to the eye has this cosine.
@@ -160,13 +162,19 @@ std::vector<Item> orderedParts(const ViewScene& scene, const SubLights& lights, 
         double meanSlant = 0;
         const std::size_t first = items.size();
         const std::vector<Vec3> outer = cornersOf(part.wsDirections);
+        if (const auto flat = sheetsAlongFlatVoxels(scene, eye.wsDirections, part.wsDirections)) {
+            items.push_back(
+                {part, outer, flat->sameSide, flat->slant, flat->slant, mean, lights.of(part.light).name, flat});
+            items.back().part.share = 1;
+            continue;
+        }
         for (const bool sameSide : {true, false}) {
             const double share = sameSide ? same : 1 - same;
             if (share <= 0) continue;
             std::vector<Vec3> all = turnedEye(eye.wsDirections, sameSide);
             all.insert(all.end(), outer.begin(), outer.end());
             const double slant = angleOf(enclosingCone(all).cosAngle);
-            items.push_back({part, outer, sameSide, slant, 0, mean, lights.of(part.light).name});
+            items.push_back({part, outer, sameSide, slant, 0, mean, lights.of(part.light).name, {}});
             items.back().part.share = share;
             meanSlant += share * slant;
         }
@@ -215,50 +223,39 @@ void sharePrimary(const std::vector<Item>& items, const std::vector<std::size_t>
     for (GroupPlan& group : groups) group.primary /= sum;
 }
 
-}  // namespace
+// A group that parts of lights still join.
+struct OpenGroup {
+    GroupPlan plan;
+    GrowingCone cone;
+    std::optional<FlatSheets> flat;
+};
 
-std::vector<GroupPlan> groupLights(const ViewScene& scene, const SubLights& lights, const std::vector<Vec3>& corners,
-                                   const EyePart& part, const std::vector<std::string>& culled,
-                                   const Checkpoint& checkpoint) {
-    const std::vector<Vec3>& eye = part.wsDirections;
-    const double limit = glm::radians(scene.dials.maxSlant);
-
-    // Each part joins the group in which it adds the least slant, or opens a new one.
-    std::vector<GroupPlan> groups;
-    std::vector<std::size_t> groupOf;
-    std::vector<GrowingCone> cones;
-    const std::vector<Item> items = orderedParts(scene, lights, corners, part, culled, checkpoint);
-    for (const Item& item : items) {
-        checkpoint();
-        std::size_t best = groups.size();
-        double bestSlant = limit;
-        for (std::size_t g = 0; g < groups.size(); ++g) {
-            if (groups[g].sameSide != item.sameSide) continue;
-            const double cosMost = std::cos(bestSlant) - kCosSlack;
-            if (cones[g].cone().cosAngle < cosMost) continue;  // its slant is too large already
-            const double slant = angleOf(cones[g].with(item.corners, cosMost).cosAngle);
-            if (slant <= bestSlant) {
-                bestSlant = slant;
-                best = g;
-            }
+// The group that a part joins: that in which it adds the least slant, of at most `limit` radians; the number of groups
+// if it needs one of its own. Parts with sheets along flat voxels share one for each side.
+std::size_t groupFor(const Item& item, const std::vector<OpenGroup>& groups, double limit) {
+    const auto mayJoin = [&](const OpenGroup& group) {
+        return group.plan.sameSide == item.sameSide && group.flat.has_value() == item.flat.has_value();
+    };
+    std::size_t best = groups.size();
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (!mayJoin(groups[g])) continue;
+        if (item.flat) return g;
+        const double cosMost = std::cos(limit) - kCosSlack;
+        if (groups[g].cone.cone().cosAngle < cosMost) continue;  // its slant is too large already
+        const double slant = angleOf(groups[g].cone.with(item.corners, cosMost).cosAngle);
+        if (slant <= limit) {
+            limit = slant;
+            best = g;
         }
-        // A group with a larger slant takes a part that does not increase its slant, such as a window that other lights
-        // have, too.
-        for (std::size_t g = 0; g < groups.size() && best == groups.size(); ++g)
-            if (groups[g].sameSide == item.sameSide && cones[g].holds(item.corners)) best = g;
-        if (best == groups.size()) {
-            groups.push_back({});
-            groups.back().sameSide = item.sameSide;
-            cones.emplace_back(turnedEye(eye, item.sameSide));
-        }
-        groups[best].lights.push_back(item.part);
-        groupOf.push_back(best);
-        cones[best].add(item.corners);
     }
-    if (groups.empty()) groups.push_back({});  // the primary group exists even without lights
-    sharePrimary(items, groupOf, scene.dials.crossFade.value_or(kCrossFade), groups);
-    for (GroupPlan& group : groups) setAxis(group, scene, eye);
+    // A group with a larger slant takes a part that does not increase its slant, such as a window that other lights
+    // have, too.
+    for (std::size_t g = 0; g < groups.size() && best == groups.size(); ++g)
+        if (mayJoin(groups[g]) && groups[g].cone.holds(item.corners)) best = g;
+    return best;
+}
 
+void checkSlants(const ViewScene& scene, const std::vector<GroupPlan>& groups) {
     for (const GroupPlan& group : groups) {
         if (group.slant <= kSlantLimit) continue;
         // Lights cross the paper's own sheets at any slant, with visible errors (ZC02 Fig. 17).
@@ -271,6 +268,44 @@ std::vector<GroupPlan> groupLights(const ViewScene& scene, const SubLights& ligh
                     fmt::format("{}: rays lean {:.1f} degrees from the sweep's axis, at most {:.0f} can be rendered",
                                 cause, glm::degrees(group.slant), glm::degrees(kSlantLimit)));
     }
+}
+
+}  // namespace
+
+std::vector<GroupPlan> groupLights(const ViewScene& scene, const SubLights& lights, const std::vector<Vec3>& corners,
+                                   const EyePart& part, const std::vector<std::string>& culled,
+                                   const Checkpoint& checkpoint) {
+    const std::vector<Vec3>& eye = part.wsDirections;
+    std::vector<OpenGroup> open;
+    std::vector<std::size_t> groupOf;
+    const std::vector<Item> items = orderedParts(scene, lights, corners, part, culled, checkpoint);
+    for (const Item& item : items) {
+        checkpoint();
+        const std::size_t g = groupFor(item, open, glm::radians(scene.dials.maxSlant));
+        if (g == open.size()) {
+            open.push_back({{}, GrowingCone(turnedEye(eye, item.sameSide)), item.flat});
+            open.back().plan.sameSide = item.sameSide;
+        }
+        open[g].plan.lights.push_back(item.part);
+        open[g].cone.add(item.corners);
+        if (item.flat) open[g].flat->slant = std::max(open[g].flat->slant, item.slant);
+        groupOf.push_back(g);
+    }
+    // The primary group exists even without lights.
+    if (open.empty()) open.push_back({{}, GrowingCone(eye), sheetsAlongFlatVoxels(scene, eye, {})});
+
+    std::vector<GroupPlan> groups;
+    for (OpenGroup& group : open) {
+        if (group.flat) {
+            group.plan.wsAxis = group.flat->wsAxis;
+            group.plan.slant = group.flat->slant;
+        } else {
+            setAxis(group.plan, scene, eye);
+        }
+        groups.push_back(std::move(group.plan));
+    }
+    sharePrimary(items, groupOf, scene.dials.crossFade.value_or(kCrossFade), groups);
+    checkSlants(scene, groups);
     return groups;
 }
 

@@ -12,6 +12,7 @@
 #include <scrim/scene/slide_map.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/expected_cost.h>
+#include <scrim/engine/plan/flat_voxels.h>
 #include <scrim/engine/plan/levels.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/plan/sheet_stack.h>
@@ -232,7 +233,7 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<VolumeLevel>& leve
     for (const VolumeLevel& level : levels) {
         GroupPlan one = g;
         const std::vector<Vec3> own = levels.size() > 1 ? wsCorners(scene, level) : corners;
-        one.sheets = sheetsAround(scene, corners, g.wsAxis, g.slant, level.voxel);
+        one.sheets = sheetsAround(scene, corners, g.wsAxis, g.slant, {level.voxel, edgeAcross(scene, level, g.wsAxis)});
         if (levels.size() > 1) {
             one.sheets = narrowed(one.sheets, own);
             one.volumes = level.volumes;

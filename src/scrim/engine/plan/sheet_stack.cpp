@@ -121,15 +121,15 @@ std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& c
 // The stack of sheets around the volume. Planes lie at integer multiples of the thickness, texels at integer multiples
 // of their size, measured from the middle of the volume, so that nothing depends on the camera's position.
 Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, const Vec3& wsAxis, double slant,
-                    double voxel) {
+                    const VoxelEdges& edges) {
     Bounds ws;
     for (const Vec3& corner : corners) ws.include(corner);
 
     Sheets sheets;
     sheets.wsAnchor = ws.center();
     sheets.ssFromWs = sweepRotation(wsAxis, scene.camera.wsFromCamera[1]);
-    sheets.texel = scene.dials.texel * voxel;
-    sheets.thickness = scene.dials.sheetThickness * voxel * std::cos(std::min(slant, kSteepestSlant));
+    sheets.texel = scene.dials.texel * edges.across;
+    sheets.thickness = scene.dials.sheetThickness * edges.through * std::cos(std::min(slant, kSteepestSlant));
 
     Bounds ts;  // with the origin at the anchor
     for (const Vec3& corner : corners) ts.include(sheets.tsPoint(corner));

@@ -15,10 +15,16 @@ namespace scrim {
 /// not depend on a crop, whose pixels must equal those of the whole picture.
 std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& wsCorners);
 
+/// Edges of voxels, in world units: the units of the dials `sheet_thickness` and `texel`.
+struct VoxelEdges {
+    double through = 1;  ///< for the thickness of sheets
+    double across = 1;   ///< for texels
+};
+
 /// The stack of sheets around the volumes' corners, perpendicular to `wsAxis`, for rays with a slant of up to `slant`
-/// radians. `voxel`: unit of the dials. Throws Error(render) if there are more sheets or texels than can be addressed.
+/// radians. Throws Error(render) if there are more sheets or texels than can be addressed.
 Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const Vec3& wsAxis, double slant,
-                    double voxel);
+                    const VoxelEdges& edges);
 
 /// The part of a stack of sheets, with all of its sheets, whose texels lie around `wsCorners`.
 Sheets narrowed(Sheets sheets, const std::vector<Vec3>& wsCorners);

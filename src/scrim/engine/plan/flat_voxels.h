@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sheets for flat voxels. Texels as fine as the short edges of voxels resolve flat ones in every direction, but only
+// across that edge is there anything so fine. Where sheets lie along flat voxels, only their thickness must follow the
+// short edge, and a grid costs the same whatever the ratio of its voxels' edges is.
+#pragma once
+
+#include <scrim/engine/plan/levels.h>
+
+#include <optional>
+#include <vector>
+
+namespace scrim {
+
+/// The edge, in world units, which texels of sheets perpendicular to `wsAxis` (unit) must resolve for a level's
+/// volumes: the smallest distance, within a sheet, between neighbouring voxels' borders. It is level.voxel unless it is
+/// much larger.
+double edgeAcross(const ViewScene& scene, const VolumeLevel& level, const Vec3& wsAxis);
+
+/// Sheets along flat voxels, as a sweep has them.
+struct FlatSheets {
+    Vec3 wsAxis;       ///< unit; towards the side to which light runs, or the eye looks where there is none
+    bool sameSide;     ///< GroupPlan::sameSide
+    double slant = 0;  ///< largest angle of a ray to the axis, radians
+};
+
+/// Sheets along the flat voxels of the finest volumes, where all rays cross them and where they have far fewer texels
+/// than sheets half-way between eye and light. `wsEye`, `wsLight`: directions around the rays of the eye and of a
+/// light; none: of no light.
+std::optional<FlatSheets> sheetsAlongFlatVoxels(const ViewScene& scene, const std::vector<Vec3>& wsEye,
+                                                const std::vector<Vec3>& wsLight);
+
+}  // namespace scrim
