@@ -159,7 +159,7 @@ void addLightCells(std::vector<Dial>& all) {
         "light_cell_others", "", 0.25, &Dials::lightCellOthers,
         "edge of the larger cells that other volumes may have, such as haze around smoke, relative to what is chosen "
         "for them; auto: 1, or a light_cell that is smaller than chosen makes them as much smaller; a preset takes up "
-        "to 2, as for light_cell"));
+        "to 2, as for light_cell, and down to 0.25 where smoke throws shadows that they would miss"));
 }
 
 std::vector<Dial> makeDials() {

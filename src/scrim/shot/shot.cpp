@@ -88,7 +88,7 @@ void warnOfPromise(const std::string& preset, const PromisedDials& chosen, const
     constexpr double kClearly = 1.05;
     if (chosen.beyond.empty() && chosen.expected > kClearly * chosen.promised)
         notify(options.messages, Severity::warning,
-               fmt::format("the preset '{}' promises an error of {} %, but the finest texels and sheets that it "
+               fmt::format("the preset '{}' promises an error of {} %, but the finest dials that it "
                            "may choose are expected to leave {} % in this scene",
                            preset, percentText(chosen.promised), percentText(chosen.expected)));
     for (const auto& [expected, why] : chosen.beyond)

@@ -457,7 +457,7 @@ PromisedDials dialsAsHeld(const ViewScene& given, const std::string& quality,
     PromisedDials out = classified || !atLod ? dialsOf(scene, promised) : withCoarser(atLod, promised, scene);
     out.promised = promised;
     if (classified) boundSurfaces(out.dials);
-    if (const auto cells = largerLightCells(scene, kOfLightCells * promised)) {
+    if (const auto cells = chosenLightCells(scene, kOfLightCells * promised)) {
         out.dials.lightCell = cells->cell;
         out.dials.lightCellOthers = cells->others;
         out.expected = std::hypot(out.expected, cells->expected);

@@ -109,5 +109,43 @@ TEST(LampInHaze, ThatIsASpotIsAsBruteForceFindsIt) {
     }
 }
 
+// The same haze, in which the eye is, just behind a lamp: some of the sheet that they share is seen.
+ViewScene eyeBehindLamp(const Vec3& place, ShadowMethod shadow, double thickness) {
+    ViewScene scene = hazeAround({}, shadow);
+    scene.camera.type = CameraType::perspective;
+    scene.camera.fov = 40;
+    scene.camera.wsPosition = {0.1, 0.2, 12.3};
+    scene.lights[0].wsPosition = scene.camera.wsPosition + place;
+    scene.dials.sheetThickness = thickness;
+    return scene;
+}
+
+// With whole sheets in place of that part, 4 to 149 %.
+TEST(LampInHaze, JustBeforeAnEyeInTheHazeIsAsBruteForceFindsIt) {
+    for (const double thickness : {2.0, 3.0, 4.0}) {
+        ViewScene scene = eyeBehindLamp({0.2, -0.1, -0.8}, ShadowMethod::cells, thickness);
+        EXPECT_LT(errorOf(scene, kAllPixels), kPromised) << thickness;
+        scene.lights[0].shadow = ShadowMethod::buffers;
+        Light::Spot spot;
+        spot.coneAngle = 40;
+        scene.lights[0].kind = spot;
+        scene.lights[0].wsDirection = glm::normalize(Vec3(-0.1, 0.1, -1));
+        EXPECT_LT(errorOf(scene, kAllPixels), 2 * kPromised) << "spot, " << thickness;
+    }
+}
+
+// What the lamp's light loses in that sheet before the eye's part of it: without it, 5 %.
+TEST(LampInHaze, ThatIsASpotBehindTheEyeIsDimmedOnItsWayPastIt) {
+    for (const double thickness : {2.0, 3.0, 4.0}) {
+        ViewScene scene = eyeBehindLamp({0.2, -0.1, 1.2}, ShadowMethod::buffers, thickness);
+        scene.volumes[0].medium.densityScale = 0.1;
+        Light::Spot spot;
+        spot.coneAngle = 60;
+        scene.lights[0].kind = spot;
+        scene.lights[0].wsDirection = {0, 0, -1};
+        EXPECT_LT(errorOf(scene, kAllPixels), 2 * kPromised) << thickness;
+    }
+}
+
 }  // namespace
 }  // namespace scrim::test

@@ -127,7 +127,7 @@ void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, cons
         }
         for (int c = 0; c < 3; ++c) rgb[c][k] = found[c];
     };
-    if (!nearer && !m_grid->hasWalls()) {
+    if (!nearer && !samples.part && !m_grid->hasWalls()) {
         int left[kTileSize];
         const CellValues own{m_grid.get(), m_values.data(), m_colours, {m_tint[0], m_tint[1], m_tint[2]}};
         const int count = lookUpThin(own, plane, samples, extinction, rgb, left);

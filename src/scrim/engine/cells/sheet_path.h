@@ -13,8 +13,8 @@
 
 namespace scrim {
 
-/// The positions of a tile's samples, ws = origin + u perU + v perV, in the middle of a sheet. `wsPerSheet` leads to
-/// the next sheet along its normal, and a slope du/dw of 1 by `toTexels` along perU.
+/// The positions of a tile's samples, ws = origin + u perU + v perV in the middle of a sheet. `wsPerSheet` leads to the
+/// next sheet along its normal, and a slope du/dw of 1 by `toTexels` along perU.
 struct SamplePlane {
     Vec3 wsOrigin{0}, wsPerU{0}, wsPerV{0}, wsPerSheet{0};
     double toTexels = 1;
@@ -22,7 +22,13 @@ struct SamplePlane {
     Simd simd = {};
 
     Vec3 wsSample(const SampleTile& samples, int k) const {
-        return wsOrigin + double(samples.u[k]) * wsPerU + double(samples.v[k]) * wsPerV;
+        const Vec3 onPlane = wsOrigin + double(samples.u[k]) * wsPerU + double(samples.v[k]) * wsPerV;
+        return samples.at ? onPlane + (double(samples.at[k]) - double(samples.step)) * wsPerSheet : onPlane;
+    }
+    /// The part of the sheet that the eye's ray passes; above 0, also where it passes none.
+    static double passed(const SampleTile& samples, int k) {
+        constexpr double kLeast = 1e-4;
+        return samples.part ? std::max(double(samples.part[k]), kLeast) : 1;
     }
 };
 
@@ -32,7 +38,8 @@ struct SheetPath {
     static constexpr double kThick = 0.5;
 
     Vec3 wsMiddle;
-    Vec3 ws;             ///< from where the eye's ray meets the sheet's one side to where it meets the other
+    Vec3 ws;             ///< from where the eye's ray meets the sheet's one side to where it meets the other, or of the
+                         ///< part that it passes
     bool thick;          ///< the optical depth of the sheet is above kThick
     Vec3 wsNear, wsFar;  ///< the middles of the halves that are nearer to and farther from the eye; not thick: both
                          ///< the middle
@@ -44,8 +51,9 @@ struct SheetPath {
     /// is below 0.
     SheetPath(const SamplePlane& plane, const SampleTile& samples, int k, Real extinction, Real nearer = -1)
         : wsMiddle(plane.wsSample(samples, k)),
-          ws(plane.wsPerSheet +
-             plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU + double(samples.eyeB[k]) * plane.wsPerV)) {
+          ws(SamplePlane::passed(samples, k) *
+             (plane.wsPerSheet +
+              plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU + double(samples.eyeB[k]) * plane.wsPerV))) {
         const Vec3 ahead = plane.towardsEye * ws;
         const double tau = double(extinction) * glm::length(ws), half = 0.5 * tau;
         thick = tau > kThick;

@@ -50,6 +50,7 @@ LampOnPath::LampOnPath(const NearOnSheet& light, Real texel, Real thickness)
       m_thickness(double(thickness)),
       m_plane(double(light.distanceW) + double(light.plane)),
       m_least(1e-3 * double(thickness)),
+      m_inFront(std::min(2 * double(light.distanceW) / double(thickness), 1.0)),
       m_even(std::numeric_limits<double>::infinity()) {
     constexpr double kOfBorder = 0.4, kOfProfile = 0.05, kOfSlide = 0.125;
     if (light.slideAngle > 0) {
@@ -119,13 +120,14 @@ LampOnPath::Course LampOnPath::courseOf(const SampleTile& samples, int k) const 
     const Path path = pathOf(samples, k);
     const Vec3 at = fromLight(path);
     const double half = path.half * std::sqrt(1 + path.eyeA * path.eyeA + path.eyeB * path.eyeB), r = glm::length(at);
-    if (2 * half <= m_even * r) return Course::even;
+    const bool cut = m_inFront < 1 && samples.part != nullptr && samples.part[k] < 1;
+    if (2 * half <= m_even * r && !cut) return Course::even;
     if (m_outer <= -1) return Course::changing;
     // How far a place is within a cone, or beyond it if this is negative, changes by at most twice the way.
     const double along = glm::dot(at, m_axis);
     if (along - m_outer * r < -2 * half) return Course::dark;
     const bool whole = m_light.cone && m_step == 0 && m_light.slideAngle == 0 && along - m_inner * r > 2 * half;
-    return whole && 2 * half < kFar * r ? Course::even : Course::changing;
+    return whole && !cut && 2 * half < kFar * r ? Course::even : Course::changing;
 }
 
 LampOnPath::Ray LampOnPath::rayOf(const Path& path) const {
@@ -133,6 +135,7 @@ LampOnPath::Ray LampOnPath::rayOf(const Path& path) const {
     ray.at = fromLight(path);
     ray.half = path.half;
     ray.low = std::max(-path.half, -ray.at.z), ray.high = path.half;
+    ray.entry = std::max(-0.5 * m_thickness - path.plane, -ray.at.z);
     if (ray.high <= ray.low) return ray;
     const Vec3 way(path.eyeA, path.eyeB, 1);
     ray.slant = glm::length(way);
@@ -174,13 +177,13 @@ template <class Visit>
 void LampOnPath::forPoints(const Ray& ray, const Passage& passage, double lobe, const Visit& visit) const {
     // Light that comes more aslant has come through more of the sheets before.
     const double slant = glm::length(ray.at) / std::max(ray.at.z, m_least),
-                 perSlant = ray.at.z + ray.low > m_least ? passage.entry / slant : 0;
+                 perSlant = ray.at.z + ray.entry > m_least ? passage.entry / slant : 0;
     const auto seen = [&](double t, double place) {
         constexpr double kMost = 2;  // a clamp for middles of paths that are far from where the light is
         const double eye = (ray.half + (passage.sameSide ? place : -place)) * ray.slant;
         // The light's way within the sheet, which begins at its face or at the light.
         const double z = std::max(ray.at.z + place, m_least), along = ray.nearest / (std::cos(t) * z),
-                     way = along * std::clamp(place - ray.low, 0.0, z),
+                     way = along * std::clamp(place - ray.entry, 0.0, z),
                      before = std::clamp(perSlant * (along - slant), -kMost, kMost);
         return std::exp(-passage.extinction * (eye + (passage.attenuated ? way : 0)) - before);
     };
@@ -212,8 +215,13 @@ LampOnPath::Mean LampOnPath::over(const SampleTile& samples, int k, const Passag
     const double a = (ray.at.x + place * path.eyeA) / z, b = (ray.at.y + place * path.eyeB) / z;
     const double way = clear.attenuated ? std::sqrt(1 + a * a + b * b) : 0;
     // The path is nearest dt / cos(t)^2 long, and 1/r^2 is cos(t)^2 / nearest^2.
-    const double mean = sum / (ray.nearest * (ray.high - ray.low) * ray.slant);
-    return {mean / seenOfEven(clear, 2 * path.half * ray.slant, 2 * path.half * way), a, b};
+    // What is behind the light gets none: as much of whole sheets as its intensity says, but more or less of the part
+    // that an eye within the sheet sees.
+    const double mean = sum / (ray.nearest * 2 * path.half * m_inFront * ray.slant);
+    // That part is shown as its share of the opacity of a whole sheet, on which light is even.
+    const double whole = clear.extinction * m_thickness * ray.slant, part = 2 * path.half / m_thickness;
+    const double share = whole > 1e-6 ? std::expm1(-part * whole) / std::expm1(-whole) : part;
+    return {part * mean / (share * seenOfEven(clear, m_thickness * ray.slant, m_thickness * way)), a, b};
 }
 
 double LampOnPath::phaseOver(const SampleTile& samples, int k, const Passage& passage, const Phase& phase) const {

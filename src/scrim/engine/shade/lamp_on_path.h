@@ -37,8 +37,8 @@ class LampOnPath {
         double entry = 0;        ///< the optical depth before the sheet of light that comes to the middle of the path
     };
     struct Mean {
-        /// Relative to the intensity; over the part of the path that is in front of the light. Of what is seen of it,
-        /// relative to what is seen of even light that comes along the slopes below.
+        /// Relative to the intensity on a sheet, which is as much smaller as the part of the sheet in front of the
+        /// light is. Of what is seen of it, relative to what is seen of even light that comes along the slopes below.
         double irradiance = 0;
         double a = 0, b = 0;  ///< the slopes of the light's ray that meets the middle of what is lit
     };
@@ -67,6 +67,7 @@ class LampOnPath {
         Vec3 at, along, across;
         double slant, low, high;  // along w, from the sample
         double half;              // of Path
+        double entry;             // where the light enters the sheet, along w, from the sample
         double before, nearest;
         double borders[4];  // angles between which light is cut off, whole, and cut off again
         bool lit = false;
@@ -90,6 +91,7 @@ class LampOnPath {
     const NearOnSheet& m_light;
     Vec3 m_axis;
     double m_texel, m_thickness, m_plane, m_least;
+    double m_inFront;                   // the part of the sheet that is in front of the light
     double m_outer = -1, m_inner = -1;  // cosines of the border of what is lit, and of that of what is fully lit
     double m_even;                      // the angle, radians, within which what the light sends changes little
     bool m_limited;
