@@ -352,8 +352,7 @@ PromisedDials dialsOf(const ViewScene& scene, double promised, int mostRays = kM
 double roughSeconds(const ViewScene& scene, const Dials& dials) {
     constexpr double kFootprint = 2e-8, kTexel = 1.2e-9, kReach = 4, kPixelSheet = 4.5e-9, kFlat = 2.4;
     const double across = kReach / dials.texel, picture = double(scene.picture.pixelCount());
-    const bool onCells = anyScattersFully(scene) || !planCellLights(scene).lights.empty();
-    const bool along = !onCells && sheetsAlongFlatVoxels(scene);
+    const bool along = sheetsAlongFlatVoxels(scene) && !anyScattersFully(scene) && planCellLights(scene).lights.empty();
     double seconds = 0;
     for (const ViewVolume& volume : scene.volumes) {
         const Bounds ws = transformed(volume.wsFromIs, volume.field->isBounds());

@@ -125,7 +125,7 @@ class DamagedSource : public ProgramTest {
 };
 
 TEST_F(DamagedSource, OfEveryKindIsRefusedOrRead) {
-    const int files = damagedFiles(100, 10);
+    const int files = damagedFiles(60, 10);
     std::mt19937 random(11);
     for (const Kind& kind : kinds()) {
         const std::string good = std::string("good.") + kind.name, bad = std::string("bad.") + kind.name;
