@@ -177,7 +177,8 @@ std::vector<Dial> makeDials() {
                                  "reconstruction kernel that interpolates between voxels"));
     all.push_back(integer("footprint_steps", "steps a voxel", "a power of two from 2 to 128", isFootprintSteps,
                           &Dials::footprintSteps,
-                          "positions a footprint is tabulated at, with slopes in between; error of second order"));
+                          "positions a footprint is tabulated at, with slopes in between; up to 32 where linear "
+                          "footprints lie along texels; error of second order"));
     all.push_back(number("shadow_texel", "texels", 0.1, 64, &Dials::shadowTexel,
                          "edge of a shadow buffer's cell; error of second order"));
     all.push_back(choice<ShadowFilter>("shadow_filter", {"bilinear", "nearest"}, &Dials::shadowFilter,

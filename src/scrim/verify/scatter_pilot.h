@@ -8,6 +8,7 @@
 #include <scrim/scene/view_scene.h>
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -25,7 +26,10 @@ struct ScatterPilot {
     double share = 0;       ///< the part of all light that has scattered more than once, or comes from skies
     double ofSkies = 0;     ///< the part of it that comes from skies and ambient light, which enter at the border
     bool surfaces = false;  ///< scattersInSurfaces
-    bool limited = false;   ///< finer cells would have told more, but the memory limit left no room for them
+    /// The thinnest volume's extent along an axis of its grid, and the largest cells that should be chosen for it;
+    /// both in shortest edges of its voxels.
+    double layers = std::numeric_limits<double>::infinity(), thickest = layers;
+    bool limited = false;  ///< finer cells would have told more, but the memory limit left no room for them
     /// For each of kOrdinateCounts the part of the scattered light that goes straight on, of the narrowest phase
     /// function (SplitPhase).
     std::array<double, 3> straight{};
@@ -33,6 +37,8 @@ struct ScatterPilot {
     /// The error that cells of `cell` voxels are expected to leave; nine of ten scenes have less. It grows with their
     /// edge to the power of `order`.
     double ofCells(double cell) const;
+    /// The same, but for what all cells miss that are too large for the thinnest volume.
+    double byDifference(double cell) const;
     double order() const;
     /// Likewise for the i-th of kOrdinateCounts.
     double ofDirections(std::size_t i) const;

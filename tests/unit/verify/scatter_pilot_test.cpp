@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include <glm/ext/matrix_transform.hpp>
+
 namespace scrim::test {
 namespace {
 
@@ -49,6 +51,25 @@ TEST(ScatterPilot, TellsThatTheMemoryLimitHidesFinerCells) {
     Dials stated;
     stated.scatterCell = 2;
     EXPECT_FALSE(chooseScattering(*limited, stated, 0.02).limited);
+}
+
+// Cells as thick as a layer all miss how light passes through it, and pilots' pairs of them hardly differ.
+TEST(ScatterPilot, ResolvesThinLayersWhateverItsCellsShow) {
+    ViewScene scene = smoke(0.6, 0);
+    ViewVolume& layer = scene.volumes[0];
+    layer.field = makeField({-24, -24, 1}, {24, 24, 4}, 1,
+                            [](const Vec3& is) { return 1 + 0.5 * std::sin(0.7 * is.x) * std::sin(0.8 * is.y); });
+    layer.wsFromIs = layer.field->wsFromIs;
+    for (const double flat : {1.0, 0.3}) {
+        layer.wsFromIs = glm::scale(Mat4(1), Vec3(1, 1, flat)) * layer.field->wsFromIs;
+        layer.medium.densityScale = 0.6 / flat;
+        const auto pilot = scatterPilot(scene);
+        ASSERT_TRUE(pilot);
+        EXPECT_NEAR(pilot->layers, 4, 0.01) << "four layers across blocks of eight";
+        EXPECT_LE(chooseScattering(*pilot, {}, 0.02).cell, 1.1 * 4 / 5);
+        EXPECT_GT(pilot->ofCells(2), 0.05);
+        EXPECT_EQ(pilot->ofCells(0.5), pilot->byDifference(0.5));
+    }
 }
 
 TEST(ScatterPilot, ChoosesTheSameWhateverIsHeldOut) {

@@ -66,7 +66,7 @@ std::size_t placementBytes(const ViewField& field, const FieldPlanes::Settings& 
     Mat4 rsFromLevel = rsFromIs;
     for (int level = field.field->tiles.empty() ? 0 : coarserLevels(rsFromIs); level >= 0; --level) {
         tables += FootprintTable::bytes(kernelOf(field, dials), rsFromLevel,
-                                        slopedSteps(rsFromLevel, settings.stepsPerVoxel));
+                                        slopedSteps(kernelOf(field, dials), rsFromLevel, settings.stepsPerVoxel));
         for (int axis = 0; axis < 3; ++axis) rsFromLevel[axis] *= 2;
     }
     return sum + tables;

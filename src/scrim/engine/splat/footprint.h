@@ -116,10 +116,9 @@ class FootprintPieces {
 /// `tsFromIs` gives it, and at least four a texel but for voxels of 8 texels and more.
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel);
 
-/// The same for a table with slopes.
-inline FootprintTable::Steps slopedSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
-    const FootprintTable::Steps steps = footprintSteps(tsFromIs, stepsPerVoxel);
-    return {steps.texel, steps.sheet, true};
-}
+/// The same for a table with slopes. Where the grid lies along texels and the eye or light looks along one of its axes,
+/// footprints of the linear kernel have kinks in rows and columns, and there are at least 32 steps a voxel as far as
+/// the table stays small.
+FootprintTable::Steps slopedSteps(Kernel kernel, const Mat4& tsFromIs, int stepsPerVoxel);
 
 }  // namespace scrim

@@ -82,7 +82,7 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
       m_scale(scale),
       m_most(most),
       m_simd(simd),
-      m_table(kernel, tsFromIs, slopedSteps(tsFromIs, stepsPerVoxel)),
+      m_table(kernel, tsFromIs, slopedSteps(kernel, tsFromIs, stepsPerVoxel)),
       m_pieces(m_table),
       m_order(tsFromIs) {
     m_table.dropWeights();

@@ -196,5 +196,18 @@ TEST(FootprintSteps, ArePowersOfTwoThatResolveAVoxel) {
         }
 }
 
+// Linear footprints have kinks in rows and columns there.
+TEST(FootprintSteps, AreFinerForLinearKernelsWhoseGridLiesAlongTexels) {
+    const Mat4 along(scaled(2.2, 2.2, 1));
+    const FootprintTable::Steps usual = footprintSteps(along, 8);
+    EXPECT_GE(slopedSteps(Kernel::linear, along, 8).texel, 2 * usual.texel);
+    EXPECT_EQ(slopedSteps(Kernel::bspline, along, 8).texel, usual.texel);
+    EXPECT_EQ(slopedSteps(Kernel::linear, along, 8).sheet, usual.sheet);
+    const Mat4 turned = along * glm::rotate(Mat4(1), 0.4, Vec3(1, 1, 0));
+    EXPECT_EQ(slopedSteps(Kernel::linear, turned, 8).texel, footprintSteps(turned, 8).texel);
+    const Mat4 large(scaled(40, 40, 20));  // whose tables are
+    EXPECT_EQ(slopedSteps(Kernel::linear, large, 8).texel, footprintSteps(large, 8).texel);
+}
+
 }  // namespace
 }  // namespace scrim::test

@@ -279,7 +279,7 @@ TEST(SplattedPlanes, OfAlignedLatticesHangOnNeitherTheCallsNorOldContent) {
 TEST(FootprintCount, IsOfVoxelsAboveZeroOnly) {
     const auto field = noiseField();
     const Stage stage = stageFor(*field, rotated(0.9, {3, 1, 2}), Kernel::linear);
-    const FootprintTable table(Kernel::linear, stage.tsFromIs, slopedSteps(stage.tsFromIs, 16));
+    const FootprintTable table(Kernel::linear, stage.tsFromIs, slopedSteps(Kernel::linear, stage.tsFromIs, 16));
     EXPECT_LT(field->activeVoxels, field->blockCount() * kBlockVoxels);
     EXPECT_EQ(splat(*field, stage, Kernel::linear, 16).footprints,
               field->activeVoxels * static_cast<std::uint64_t>(table.sheets()));
