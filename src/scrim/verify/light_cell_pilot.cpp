@@ -6,6 +6,7 @@
 #include <scrim/engine/plan/expected_cost.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/scene/phase_over_caps.h>
+#include <scrim/verify/pilot_volume.h>
 #include <scrim/verify/seen_cells.h>
 
 #include <algorithm>
@@ -82,10 +83,6 @@ bool mayDiffer(const ViewScene& scene) {
            });
 }
 
-}  // namespace
-
-namespace {
-
 // What cells leave of the picture, by how many times as large as the plan's they are. Cells twice and four times as
 // large differ by `ofSmallest` and `ofOthers`.
 struct LeftByCells {
@@ -129,10 +126,7 @@ class Cheapest {
 // True if a point or a sphere is on cells: what shines from elsewhere throws softer shadows than cells have edges. (A
 // glowing mesh beside a ball in haze left 0.99 %, where 3 were foreseen.)
 bool anyLamp(const ViewScene& scene, const CellLightPlan& plan) {
-    return std::ranges::any_of(plan.lights, [&](int i) {
-        const Light& light = scene.lights[std::size_t(i)];
-        return light.area() ? light.area()->shape == AreaShape::sphere : !light.distant() && !light.dome();
-    });
+    return std::ranges::any_of(plan.lights, [&](int i) { return isLamp(scene.lights[std::size_t(i)]); });
 }
 
 // Smaller cells must be needed clearly, and may take only so much more time.

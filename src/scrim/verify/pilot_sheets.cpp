@@ -24,11 +24,6 @@ bool anyFlat(const ViewScene& scene) {
     return std::ranges::any_of(scene.volumes, [](const ViewVolume& volume) { return flatness(volume) > kFlat; });
 }
 
-Vec3 toLight(const Light& light, const Vec3& from) {
-    const Vec3 way = light.distant() ? -light.wsDirection : light.wsPosition - from;
-    return way == Vec3(0) ? way : glm::normalize(way);
-}
-
 PilotSheets pilotSheets(const ViewScene& scene, const std::vector<PilotLight>& lights, const Vec3& wsCenter) {
     const Vec3 eye = viewingAxis(scene.camera);
     std::vector<Vec3> ways;
@@ -36,10 +31,7 @@ PilotSheets pilotSheets(const ViewScene& scene, const std::vector<PilotLight>& l
     Vec3 axis = eye;
     if (!ways.empty()) axis = glm::dot(ways.front(), eye) >= 0 ? eye + ways.front() : eye - ways.front();
     if (anyFlat(scene))
-        if (const auto flat = sheetsAlongFlatVoxels(scene, {eye}, ways)) {
-            const VolumeLevel finest = volumeLevels(scene).back();
-            return {flat->wsAxis, edgeAcross(scene, finest, flat->wsAxis) / finest.voxel};
-        }
+        if (const auto flat = FlatVoxels(scene).sheets({eye}, ways)) return {flat->wsAxis, flat->across};
     return {glm::normalize(axis), 1};
 }
 

@@ -18,9 +18,6 @@ double flatness(const ViewVolume& volume);
 /// True if a volume has voxels of more than 1 : 2.
 bool anyFlat(const ViewScene& scene);
 
-/// Unit vector to the light; 0, 0, 0 at the place of the light itself.
-Vec3 toLight(const Light& light, const Vec3& from);
-
 /// The sheets of the brightest light's sweep.
 struct PilotSheets {
     Vec3 wsAxis;    ///< unit

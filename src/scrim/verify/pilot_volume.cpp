@@ -137,4 +137,13 @@ void PilotVolume::showOpacity() {
     m_scattering[kMostPilotLights] = m_hidden ? 0 : 1;
 }
 
+bool isLamp(const Light& light) {
+    return light.area() ? light.area()->shape == AreaShape::sphere : !light.distant() && !light.dome();
+}
+
+Vec3 toLight(const Light& light, const Vec3& from) {
+    const Vec3 way = light.distant() ? -light.wsDirection : light.wsPosition - from;
+    return way == Vec3(0) ? way : glm::normalize(way);
+}
+
 }  // namespace scrim

@@ -29,6 +29,12 @@ double irradianceAt(const Light& light, const Bounds& ws);
 /// scene must outlive them.
 std::vector<PilotLight> brightestLights(const ViewScene& scene);
 
+/// True if a light shines from a point or a sphere, all around or into a cone.
+bool isLamp(const Light& light);
+
+/// Unit vector to the light; 0, 0, 0 at the place of the light itself.
+Vec3 toLight(const Light& light, const Vec3& from);
+
 class PilotVolume;
 
 /// Coefficients at a point, per world unit, of one colour.

@@ -113,8 +113,7 @@ void resolveNearLamps(const ViewScene& scene, PromisedDials& promised, double fi
     const Bounds ws = wsBounds(scene);
     double nearest = kNowhere;
     for (const Light& light : scene.lights) {
-        const bool lamp = light.area() ? light.area()->shape == AreaShape::sphere : !light.distant() && !light.dome();
-        if (!lamp || light.intensity == Rgb(0) || (!light.area() && !light.point().decay)) continue;
+        if (!isLamp(light) || light.intensity == Rgb(0) || (!light.area() && !light.point().decay)) continue;
         const auto l = std::size_t(&light - scene.lights.data());
         if (all.empty())
             for (const ViewVolume& volume : scene.volumes) all.emplace_back(volume, scene.dials.kernel, samplers);

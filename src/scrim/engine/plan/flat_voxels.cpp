@@ -28,28 +28,6 @@ Mat3 gradientsOf(const ViewField& field) {
     return glm::transpose(glm::inverse(Mat3(field.wsFromIs)));
 }
 
-// The axis across the voxels of a level's flat volumes, of which the finest counts.
-struct Across {
-    Vec3 axis{0};      // unit
-    double ratio = 1;  // of the second edge of these voxels to the shortest one
-};
-std::optional<Across> acrossFlatVoxels(const ViewScene& scene, const VolumeLevel& level) {
-    std::optional<Across> across;
-    double steepest = 0;
-    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-        if (!level.volumes[v]) continue;
-        const Mat3 gradients = gradientsOf(densityOf(scene.volumes[v]));
-        double lengths[3];
-        for (int i = 0; i < 3; ++i) lengths[i] = glm::length(gradients[i]);
-        const int most = static_cast<int>(std::max_element(lengths, lengths + 3) - lengths);
-        const double second = std::max(lengths[(most + 1) % 3], lengths[(most + 2) % 3]);
-        if (!(lengths[most] > kFlat * second) || !(lengths[most] > steepest)) continue;
-        steepest = lengths[most];
-        across = {gradients[most] / steepest, steepest / second};
-    }
-    return across;
-}
-
 // The number of texels around the corners, but for a factor that all axes share.
 double texelsAround(const std::vector<Vec3>& corners, const Vec3& wsAxis, double across) {
     const Mat3 frame = frameAround(wsAxis);
@@ -89,27 +67,40 @@ double edgeAcross(const ViewScene& scene, const VolumeLevel& level, const Vec3& 
     return steepest > 0 && 1 / steepest > kFlat * level.voxel ? 1 / steepest : level.voxel;
 }
 
-std::optional<FlatSheets> sheetsAlongFlatVoxels(const ViewScene& scene, const std::vector<Vec3>& wsEye,
-                                                const std::vector<Vec3>& wsLight) {
-    if (scene.dials.sheets == SheetAxis::imageAligned || scene.dials.splat == SplatMode::perView) return std::nullopt;
-    const VolumeLevel finest = volumeLevels(scene).back();
-    const std::optional<Across> across = acrossFlatVoxels(scene, finest);
-    if (!across) return std::nullopt;
-    const Side eye(wsEye, across->axis), light = wsLight.empty() ? eye : Side(wsLight, across->axis);
+FlatVoxels::FlatVoxels(const ViewScene& scene) : m_scene(scene), m_finest(volumeLevels(scene).back()) {
+    if (scene.dials.sheets == SheetAxis::imageAligned || scene.dials.splat == SplatMode::perView) return;
+    double steepest = 0;
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        if (!m_finest.volumes[v]) continue;
+        const Mat3 gradients = gradientsOf(densityOf(scene.volumes[v]));
+        double lengths[3];
+        for (int i = 0; i < 3; ++i) lengths[i] = glm::length(gradients[i]);
+        const int most = static_cast<int>(std::max_element(lengths, lengths + 3) - lengths);
+        const double second = std::max(lengths[(most + 1) % 3], lengths[(most + 2) % 3]);
+        if (!(lengths[most] > kFlat * second) || !(lengths[most] > steepest)) continue;
+        steepest = lengths[most];
+        m_across = gradients[most] / steepest;
+        m_ratio = steepest / second;
+    }
+    if (m_across) m_corners = wsCorners(scene, m_finest);
+}
+
+std::optional<FlatSheets> FlatVoxels::sheets(const std::vector<Vec3>& wsEye, const std::vector<Vec3>& wsLight) const {
+    if (!m_across) return std::nullopt;
+    const Side eye(wsEye, *m_across), light = wsLight.empty() ? eye : Side(wsLight, *m_across);
     const double least = std::min(eye.least, light.least);
-    if (least < std::clamp(1 / across->ratio, kLeastOfAll, kLeastCosine)) return std::nullopt;
-    const FlatSheets flat{light.sign * across->axis, eye.sign == light.sign, std::acos(least)};
+    if (least < std::clamp(1 / m_ratio, kLeastOfAll, kLeastCosine)) return std::nullopt;
+    const Vec3 axis = light.sign * *m_across;
+    const double across = edgeAcross(m_scene, m_finest, axis);
+    const FlatSheets flat{axis, eye.sign == light.sign, std::acos(least), across / m_finest.voxel};
 
     std::vector<Vec3> rays = wsLight;
     const bool opposite = !wsLight.empty() && glm::dot(sumOf(wsEye), sumOf(wsLight)) < 0;
     for (const Vec3& ray : wsEye) rays.push_back(opposite ? -ray : ray);
     const Cone cone = enclosingCone(rays);
     if (cone.cosAngle < kLeastOfAll) return flat;
-    const std::vector<Vec3> corners = wsCorners(scene, finest);
-    const auto texels = [&](const Vec3& axis, double cosSlant) {
-        return texelsAround(corners, axis, edgeAcross(scene, finest, axis)) / cosSlant;
-    };
-    if (texels(cone.axis, cone.cosAngle) < kWorthwhile * texels(flat.wsAxis, std::cos(flat.slant))) return std::nullopt;
+    const double halfWay = texelsAround(m_corners, cone.axis, edgeAcross(m_scene, m_finest, cone.axis)) / cone.cosAngle;
+    if (halfWay < kWorthwhile * texelsAround(m_corners, axis, across) / least) return std::nullopt;
     return flat;
 }
 

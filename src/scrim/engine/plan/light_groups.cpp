@@ -146,7 +146,7 @@ double shareOfSameSide(double cosine, double crossFade) {
 
 // The parts in an order that does not depend on the scene's, with those closest to the eye's axis first.
 std::vector<Item> orderedParts(const ViewScene& scene, const SubLights& lights, const std::vector<Vec3>& corners,
-                               const EyePart& eye, const std::vector<std::string>& culled,
+                               const EyePart& eye, const FlatVoxels& flatVoxels, const std::vector<std::string>& culled,
                                const Checkpoint& checkpoint) {
     std::vector<PlannedLight> parts;
     for (std::size_t i = 0; i < lights.lights.size(); ++i)
@@ -162,7 +162,7 @@ std::vector<Item> orderedParts(const ViewScene& scene, const SubLights& lights, 
         double meanSlant = 0;
         const std::size_t first = items.size();
         const std::vector<Vec3> outer = cornersOf(part.wsDirections);
-        if (const auto flat = sheetsAlongFlatVoxels(scene, eye.wsDirections, part.wsDirections)) {
+        if (const auto flat = flatVoxels.sheets(eye.wsDirections, part.wsDirections)) {
             items.push_back(
                 {part, outer, flat->sameSide, flat->slant, flat->slant, mean, lights.of(part.light).name, flat});
             items.back().part.share = 1;
@@ -278,7 +278,8 @@ std::vector<GroupPlan> groupLights(const ViewScene& scene, const SubLights& ligh
     const std::vector<Vec3>& eye = part.wsDirections;
     std::vector<OpenGroup> open;
     std::vector<std::size_t> groupOf;
-    const std::vector<Item> items = orderedParts(scene, lights, corners, part, culled, checkpoint);
+    const FlatVoxels flat(scene);
+    const std::vector<Item> items = orderedParts(scene, lights, corners, part, flat, culled, checkpoint);
     for (const Item& item : items) {
         checkpoint();
         const std::size_t g = groupFor(item, open, glm::radians(scene.dials.maxSlant));
@@ -292,7 +293,7 @@ std::vector<GroupPlan> groupLights(const ViewScene& scene, const SubLights& ligh
         groupOf.push_back(g);
     }
     // The primary group exists even without lights.
-    if (open.empty()) open.push_back({{}, GrowingCone(eye), sheetsAlongFlatVoxels(scene, eye, {})});
+    if (open.empty()) open.push_back({{}, GrowingCone(eye), flat.sheets(eye, {})});
 
     std::vector<GroupPlan> groups;
     for (OpenGroup& group : open) {

@@ -31,7 +31,7 @@ ViewScene boxOf(const Vec3& edges, double turn, const Vec3& sun) {
 const Vec3 kDown{0, 0, -1};
 
 std::optional<FlatSheets> sheetsOf(const ViewScene& scene, const Vec3& eye, const Vec3& light) {
-    return sheetsAlongFlatVoxels(scene, {glm::normalize(eye)}, {glm::normalize(light)});
+    return FlatVoxels(scene).sheets({glm::normalize(eye)}, {glm::normalize(light)});
 }
 
 TEST(FlatVoxels, HaveSheetsAlongThemWhereEyeAndLightCrossThem) {
