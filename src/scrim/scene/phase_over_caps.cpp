@@ -21,7 +21,7 @@ double cosineAt(int i) {
     return 1 - 2 * sine * sine;
 }
 double entryAt(double cosine) {
-    return std::pow(std::clamp(0.5 * (1 - cosine), 0.0, 1.0), 0.25) * (kPhaseAngles - 1);
+    return std::sqrt(std::sqrt(std::clamp(0.5 * (1 - cosine), 0.0, 1.0))) * (kPhaseAngles - 1);
 }
 
 double between(const Real* row, double cosine) {

@@ -153,13 +153,13 @@ void addLightCells(std::vector<Dial>& all) {
         "light_cell", &Dials::lightCell,
         "edge of the cells that keep the light of extended lights and of lamps within a volume, the smallest of the "
         "scene; auto: 0.25 to 4 by the optical depth of a voxel and the size of the volumes, 0.7 of more than 1 for "
-        "area lights, half for a light_error below 0.004; a preset takes up to twice that where the picture shows "
+        "area lights, half for a light_error below 0.004; a preset takes up to 4 times that where the picture shows "
         "little of it, in scenes where these cells take most of a second; error of second order"));
     all.push_back(chosenNumber(
         "light_cell_others", "", 0.25, &Dials::lightCellOthers,
         "edge of the larger cells that other volumes may have, such as haze around smoke, relative to what is chosen "
         "for them; auto: 1, or a light_cell that is smaller than chosen makes them as much smaller; a preset takes up "
-        "to 2, as for light_cell, and down to 0.25 where smoke throws shadows that they would miss"));
+        "to 4, as for light_cell, and down to 0.25 where smoke throws shadows that they would miss"));
 }
 
 std::vector<Dial> makeDials() {

@@ -183,8 +183,9 @@ std::optional<LightCellChoice> exactChoice(const ViewScene& given, double error,
     constexpr double kClearly = 0.9;
     if (planSeconds < worthwhile) return std::nullopt;
     Cheapest cheapest(kClearly * planSeconds);
-    for (const double smallest : {1.0, std::numbers::sqrt2, 2.0})
-        for (const double others : {1.0, std::numbers::sqrt2, 2.0}) {
+    constexpr double kLarger[] = {1, std::numbers::sqrt2, kFine, kFine * std::numbers::sqrt2, kCoarse};
+    for (const double smallest : kLarger)
+        for (const double others : kLarger) {
             // What the plan's own cells leave is no part of this.
             const double expected = left.at(smallest > 1 ? smallest : 0, others > 1 ? others : 0);
             if (expected <= error) cheapest.offer({smallest * planned, others, expected}, secondsAt(smallest, others));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -29,6 +30,13 @@ void CellField::add(const std::function<Rgb(const Vec3& ws)>& light) {
     forCells([&](const Int3& cell, Real* values) {
         const Rgb more = light(m_grid->wsFromCs(Vec3(cell) + 0.5));
         for (std::size_t c = 0; c < m_colours; ++c) values[c] += static_cast<Real>(more[static_cast<int>(c)]);
+    });
+}
+
+void CellField::add(const CellField& other) {
+    const std::size_t perBlock = kPaddedCells * m_colours;
+    parallelFor(m_grid->storedBlocks().size(), [&](std::size_t b) {
+        std::transform(block(b), block(b) + perBlock, other.block(b), block(b), std::plus<>());
     });
 }
 

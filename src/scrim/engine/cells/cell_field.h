@@ -26,6 +26,9 @@ class CellField {
     /// Black. With one value per cell instead of three, the light is that value times `tint`.
     CellField(std::shared_ptr<const CellGrid> grid, int colours, const Rgb& tint = Rgb(1));
 
+    /// A black one on the same cells.
+    CellField blackAlike() const { return {m_grid, static_cast<int>(m_colours), {m_tint[0], m_tint[1], m_tint[2]}}; }
+
     const CellGrid& grid() const { return *m_grid; }
     std::size_t colours() const { return m_colours; }
     /// The values of block `b`: `colours` for each of its kPaddedCells cells, x fastest.
@@ -40,6 +43,8 @@ class CellField {
     void forCells(const Visit& visit);
     /// Adds light(centre) to every cell: to the first colour, or to all three. `light` is called by many threads.
     void add(const std::function<Rgb(const Vec3& ws)>& light);
+    /// Adds the values of one that is alike.
+    void add(const CellField& other);
     /// Copies the values of stored cells to where they are around other blocks.
     void fillAround();
     /// The light at a point, 0 beyond the stored cells.

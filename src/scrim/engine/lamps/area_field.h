@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The light of one rectangle, disk or cylinder on cells close to it. There its light rises faster than cells can show,
-// and its sub-lights show as blobs. But what arrives at a cell, relative to what would if nothing held the same
-// sub-lights back, changes slowly: a mean of transmittance and phase function. So that is what cells keep, as two sums
-// whose singularities cancel, and look-ups multiply it by the mean over the eye's path of the solid angle that the
-// surface fills (AreaShine). Farther away the field of all lights keeps the rest, with as much light as the surface has
-// and not its sub-lights.
+// and its sub-lights show as blobs. But what the eye sees of what arrives at a cell, relative to what it would see if
+// nothing held the same sub-lights back, changes slowly: a mean of transmittances. So that is what cells keep, as two
+// sums whose singularities cancel, and look-ups multiply it by the mean over the eye's path of what the surface would
+// show (AreaShine). Farther away the field of all lights keeps the rest, with as much light as the surface has and not
+// its sub-lights.
 #pragma once
 
 #include <scrim/engine/cells/cell_field.h>
@@ -20,29 +20,33 @@
 
 namespace scrim {
 
+/// What an area light lights.
+struct AreaView {
+    std::vector<Octave> octaves;  ///< what the medium sends towards the camera
+    Camera camera;
+    double sheet = 0;  ///< how thick sheets are, world units
+};
+
 class AreaField {
   public:
     /// `light`: one that AreaShine serves. `elements`: its sub-lights, alike in area. `all`: the cells of all of its
-    /// light, one of which has a corner at `wsCorner`. `sheet`: how thick sheets are, world units. `colours`, `tint`:
-    /// as those of its light's field.
-    AreaField(const Light& light, std::span<const Light> elements, const CellGrid& all, const Vec3& wsCorner,
-              double sheet, std::size_t colours, const Rgb& tint);
+    /// light, one of which has a corner at `wsCorner`. `colours`, `tint`: as those of its light's field.
+    AreaField(const Light& light, const AreaView& view, std::span<const Light> elements, const CellGrid& all,
+              const Vec3& wsCorner, std::size_t colours, const Rgb& tint);
     /// True if it has cells: the light is close to those of `all`.
     bool any() const { return !m_lit.grid().storedBlocks().empty(); }
 
     /// The sums over sub-lights of what arrives at a cell of what the eye sees of it, times nearShare; they are to be
     /// added here.
     CellField& lit() { return m_lit; }
-    /// What the same sub-lights would show, evenly, at those cells if nothing held their light back, for a radiance of
-    /// 1: evenLight where light is wanted.
+    /// What the same sub-lights would show at those cells if nothing held their light back, for a radiance of 1; it is
+    /// to be added here.
     CellField& open() { return m_open; }
-    double evenLight(const Vec3& ws) const;
     /// The part of light that this field keeps, of that of a cell at `ws`.
     double nearShare(const Vec3& ws) const;
-    /// Factors for light that the field of all keeps, at the padded cells of each block of `grid`, which has the same
-    /// cells as `all`: what nearShare leaves, times that by which the surface shines brighter than its sub-lights.
-    /// null: 1. To be called after the constructor alone.
-    std::vector<const Real*> farShares(const CellGrid& grid) const;
+    /// Takes from the light of the sub-lights, on cells of those that it was made for, what nearShare has, and gives it
+    /// what the surface shines brighter than they. To be called after the constructor alone.
+    void keepFar(CellField& light) const;
 
     /// True if the field has light in the box.
     bool reaches(const Bounds& ws) const;
@@ -58,13 +62,13 @@ class AreaField {
     struct LastBlocks {
         CellField::LastBlock lit, open;
     };
+    double evenLight(const Vec3& ws) const;
     double farShare(const Vec3& ws) const;
     void addPieces(const AreaShine::Pieces& pieces, double share, LastBlocks& last, Real (&rgb)[3]) const;
 
     AreaShine m_shine;
-    std::vector<std::array<Real, 3>> m_at, m_normal;  // of its sub-lights, relative to the light's place
-    Vec3 m_center;
-    double m_area;         // of a sub-light, world units squared
+    std::vector<Vec3> m_at, m_normal;  // of its sub-lights, world space
+    double m_area;                     // of a sub-light, world units squared
     double m_near, m_mid;  // world units from the surface: how far nearShare, and sub-lights that differ, reach
     CellField m_lit, m_open, m_far;
 };

@@ -14,6 +14,12 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+// A part of what a place sees: its solid angle, and the integral over the directions towards it.
+struct Patch {
+    double solidAngle = 0;
+    Vec3 towards{0};
+};
+
 // The integral over a quarter turn of (a cos^2 + b sin^2) / ((cos^2 + p sin^2) sqrt(cos^2 + kc^2 sin^2)), p > 0
 // (R. Bulirsch, Numerical Calculation of Elliptic Integrals and Elliptic Functions III, 1969).
 double completeElliptic(double kc, double p, double a, double b) {
@@ -72,6 +78,115 @@ double ofCylinder(const Vec3& p, double radius, double half) {
     return kPi * most * sum;
 }
 
+// The solid angle of a polygon that is seen counterclockwise from the middle (A. van Oosterom and J. Strackee, The
+// Solid Angle of a Plane Triangle, 1983), and the integral over the directions towards it (J. H. Lambert's formula).
+Patch ofPolygon(std::span<const Vec3> corners) {
+    Patch patch;
+    const auto length = [&](std::size_t i) { return glm::length(corners[i]); };
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec3 &a = corners[i], &b = corners[(i + 1) % corners.size()], across = glm::cross(a, b);
+        const double sine = glm::length(across);
+        if (sine > 0) patch.towards += 0.5 * std::atan2(sine, glm::dot(a, b)) / sine * across;
+    }
+    const Vec3& first = corners.front();
+    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+        const Vec3 &a = corners[i], &b = corners[i + 1];
+        const double beside = length(0) * length(i) * length(i + 1) + glm::dot(first, a) * length(i + 1) +
+                              glm::dot(first, b) * length(i) + glm::dot(a, b) * length(0);
+        patch.solidAngle += 2 * std::atan2(glm::dot(first, glm::cross(a, b)), beside);
+    }
+    return patch;
+}
+
+// Places between two along a line, `away` from which the middle is, that see equal angles of at most `least` between
+// them as far as kMost parts allow.
+struct Cuts {
+    static constexpr int kMost = 8;
+    int parts;
+    std::array<double, kMost + 1> at;
+
+    Cuts(double before, double after, double away, double least) {
+        const double from = std::atan2(before, away), to = std::atan2(after, away);
+        parts = std::clamp(static_cast<int>(std::ceil((to - from) / least)), 1, kMost);
+        at[0] = before, at[std::size_t(parts)] = after;
+        for (int i = 1; i < parts; ++i) at[std::size_t(i)] = away * std::tan(from + (to - from) * i / parts);
+    }
+};
+
+// Calls visit(patch) for parts of a rectangle whose edges are 2w and 2h.
+template <class Visit>
+void visitRectangle(const Vec3& p, double w, double h, double least, const Visit& visit) {
+    const double besideX = std::max(std::abs(p.x) - w, 0.0), besideY = std::max(std::abs(p.y) - h, 0.0);
+    const Cuts x(-w - p.x, w - p.x, std::hypot(p.z, besideY), least),
+        y(-h - p.y, h - p.y, std::hypot(p.z, besideX), least);
+    for (std::size_t j = 0; j < std::size_t(y.parts); ++j)
+        for (std::size_t i = 0; i < std::size_t(x.parts); ++i) {
+            const std::array<Vec3, 4> corners{Vec3(x.at[i], y.at[j], -p.z), Vec3(x.at[i], y.at[j + 1], -p.z),
+                                              Vec3(x.at[i + 1], y.at[j + 1], -p.z), Vec3(x.at[i + 1], y.at[j], -p.z)};
+            visit(ofPolygon(corners));
+        }
+}
+
+// The same of a disk: parts of cones around its normal, each as a cap of its size. They are about as many as the disk.
+template <class Visit>
+void visitDisk(const Vec3& p, double radius, double least, const Visit& visit) {
+    constexpr int kMostTurns = 16;
+    const double foot = std::hypot(p.x, p.y), middle = std::atan2(-p.y, -p.x);
+    const bool inside = foot < radius;
+    const double most = inside ? kPi : std::asin(std::min(radius / foot, 1.0));
+    const int turns = std::clamp(static_cast<int>(std::ceil(2 * most / least)), 4, kMostTurns);
+    for (int i = 0; i < turns; ++i) {
+        const double u = (2 * i + 1.0) / turns - 1;
+        // Towards the tangents, the rim comes closer as a root does.
+        const double beside = inside ? most * u : most * std::sin(0.5 * kPi * u),
+                     width = 2 * most / turns * (inside ? 1 : 0.5 * kPi * std::cos(0.5 * kPi * u));
+        const double along = foot * std::cos(beside), across = foot * std::sin(beside),
+                     half = std::sqrt(std::max(radius * radius - across * across, 0.0));
+        const double from = std::atan2(std::max(along - half, 0.0), p.z), to = std::atan2(along + half, p.z);
+        const int parts = std::max(static_cast<int>(std::ceil((to - from) / least)), 1);
+        for (int j = 0; j < parts; ++j) {
+            const double low = from + (to - from) * j / parts, high = from + (to - from) * (j + 1) / parts;
+            // The middle of a wedge is where its mean cosine to the normal is.
+            const double solidAngle = width * (std::cos(low) - std::cos(high)),
+                         down = 0.5 * (std::cos(low) + std::cos(high)), out = std::sqrt(1 - down * down);
+            const Vec3 way(out * std::cos(middle + beside), out * std::sin(middle + beside), -down);
+            visit(Patch{solidAngle, solidAngle * (1 - solidAngle / (4 * kPi)) * way});
+        }
+    }
+}
+
+// The directions towards a strip of a cylinder at an angle psi across the axis, between two places along it, with what
+// the sum over the strips weighs it by. The slope of a direction has the integral of its cosine as solid angle; along
+// the axis that of its sine times the cosine, and across the axis that of the cosine squared.
+Patch ofStrip(double psi, double c, double before, double after, double weight) {
+    const auto sine2 = [&](double x) { return x * x / (x * x + c * c); };
+    const auto upTo = [&](double x) { return std::atan2(x, c) + x * c / (x * x + c * c); };
+    const double along = 0.5 * weight * (sine2(after) - sine2(before)),
+                 across = 0.5 * weight * (upTo(after) - upTo(before));
+    const double sines = after / std::sqrt(after * after + c * c) - before / std::sqrt(before * before + c * c);
+    return {weight * sines, {along, across * std::cos(psi), across * std::sin(psi)}};
+}
+
+// The same of a cylinder, by eight strips along it.
+template <class Visit>
+void visitCylinder(const Vec3& p, double radius, double half, double least, const Visit& visit) {
+    const double far = std::hypot(p.y, p.z), y = -p.y / far, z = -p.z / far;
+    if (far <= radius) return;
+    const double most = std::asin(radius / far);
+    for (const auto& [u, weight] : kFourPoints)
+        for (const int side : {-1, 1}) {
+            const double psi = side * most * std::sin(0.5 * kPi * u), across = far * std::sin(psi);
+            const double c = far * std::cos(psi) - std::sqrt(std::max(radius * radius - across * across, 0.0));
+            const Cuts cuts(-half - p.x, half - p.x, c, least);
+            for (std::size_t i = 0; i < std::size_t(cuts.parts); ++i) {
+                const Patch strip =
+                    ofStrip(psi, c, cuts.at[i], cuts.at[i + 1], 0.5 * kPi * most * weight * std::cos(0.5 * kPi * u));
+                const Vec3& t = strip.towards;  // x along the cylinder, y towards its axis
+                visit(Patch{strip.solidAngle, {t.x, t.y * y - t.z * z, t.y * z + t.z * y}});
+            }
+        }
+}
+
 }  // namespace
 
 bool AreaShine::serves(const Light& light) {
@@ -82,16 +197,32 @@ bool AreaShine::serves(const Light& light) {
            !light.slide && !Spread(area->spread).any();
 }
 
-AreaShine::AreaShine(const Light& light)
+AreaShine::AreaShine(const Light& light, const std::vector<Octave>& octaves, const Camera& camera)
     : m_shape(light.area()->shape),
       m_center(light.wsPosition),
       m_frame(lightFrame(light)),
       m_halfWidth(0.5 * light.area()->width),
       m_halfHeight(0.5 * light.area()->height),
-      m_radius(light.area()->radius) {}
+      m_radius(light.area()->radius),
+      m_camera(camera) {
+    for (const Octave& octave : octaves)
+        if (octave.phase.isotropic())
+            m_even += octave.share / (4 * kPi);
+        else
+            m_directed.push_back({octave.share, PhaseOverCaps(octave.phase, 0.5 * kPi)});
+    for (const Octave& octave : octaves) m_lobe = std::min(m_lobe, lobeWidth(octave.phase));
+}
 
 double AreaShine::at(const Vec3& ws) const {
     return atLocal(local(ws));
+}
+
+Vec3 AreaShine::towards(const Vec3& ws) const {
+    return m_frame * towardsLocal(local(ws));
+}
+
+double AreaShine::shown(const Vec3& ws) const {
+    return shownLocal(local(ws));
 }
 
 double AreaShine::distance(const Vec3& ws) const {
@@ -102,6 +233,60 @@ double AreaShine::atLocal(const Vec3& p) const {
     if (m_shape == AreaShape::cylinder) return ofCylinder(p, m_radius, m_halfWidth);
     if (p.z <= 0) return 0;
     return m_shape == AreaShape::disk ? ofDisk(p, m_radius) : ofRectangle(p, m_halfWidth, m_halfHeight);
+}
+
+// Calls visit(patch) for parts of the surface that are at most about `least` wide, radians, in each direction.
+template <class Visit>
+void AreaShine::visitPatches(const Vec3& p, double least, const Visit& visit) const {
+    if (m_shape == AreaShape::cylinder)
+        visitCylinder(p, m_radius, m_halfWidth, least, visit);
+    else if (p.z > 0 && m_shape == AreaShape::disk)
+        visitDisk(p, m_radius, least, visit);
+    else if (p.z > 0)
+        visitRectangle(p, m_halfWidth, m_halfHeight, least, visit);
+}
+
+Vec3 AreaShine::towardsLocal(const Vec3& p) const {
+    constexpr std::size_t kCorners = 12;
+    Vec3 sum(0);
+    if (m_shape != AreaShape::disk) {
+        visitPatches(p, 2 * kPi, [&](const Patch& patch) { sum += patch.towards; });
+        return sum;
+    }
+    if (p.z <= 0) return sum;
+    // A polygon as large as the disk.
+    std::array<Vec3, kCorners> corners;
+    const double turn = 2 * kPi / kCorners, radius = m_radius * std::sqrt(turn / std::sin(turn));
+    for (std::size_t i = 0; i < kCorners; ++i)
+        corners[i] = radius * Vec3(std::cos(double(i) * turn), -std::sin(double(i) * turn), 0) - p;
+    return ofPolygon(corners).towards;
+}
+
+double AreaShine::shownLocal(const Vec3& p) const {
+    constexpr double kWide = 0.75, kPart = 1;  // of the lobe's width
+    const double solidAngle = atLocal(p);
+    if (solidAngle <= 0 || m_directed.empty()) return m_even * solidAngle;
+    const Vec3 toEye = travelToEye(m_camera, m_center + m_frame * p) * m_frame;
+    double directed = 0, all = 0;
+    // A cap of the half angle a has a mean cosine of (1 + cos a) / 2.
+    const auto halfAngleOf = [](const Patch& patch) {
+        return std::acos(std::clamp(2 * glm::length(patch.towards) / patch.solidAngle - 1, 0.0, 1.0));
+    };
+    const auto add = [&](const Patch& patch) {
+        const double length = glm::length(patch.towards);
+        if (!(patch.solidAngle > 0 && length > 0)) return;
+        const double halfAngle = halfAngleOf(patch),
+                     cosine = std::clamp(-glm::dot(patch.towards, toEye) / length, -1.0, 1.0);
+        for (const Directed& octave : m_directed)
+            directed += patch.solidAngle * octave.share * octave.caps.at(cosine, halfAngle);
+        all += patch.solidAngle;
+    };
+    const Patch whole{solidAngle, towardsLocal(p)};
+    if (halfAngleOf(whole) > kWide * m_lobe)
+        visitPatches(p, kPart * m_lobe, add);
+    else
+        add(whole);
+    return m_even * solidAngle + (all > 0 ? directed / all * solidAngle : 0);
 }
 
 double AreaShine::distanceLocal(const Vec3& p) const {
@@ -177,24 +362,24 @@ void AreaShine::addPiece(const Path& path, double from, double to, Pieces& piece
     double sum = 0, places = 0;
     for (const auto& [node, weight] : kFourPoints) {
         const double e = std::exp(node * most), s = from + towards * scale * 0.5 * (e - 1 / e);
-        const double own = weight * 0.5 * (e + 1 / e) * std::exp(-path.tau * s) * atLocal(path.begin + s * path.way);
+        const double own = weight * 0.5 * (e + 1 / e) * std::exp(-path.tau * s) * shownLocal(path.begin + s * path.way);
         sum += own;
         places += own * s;
     }
     if (sum <= 0) return;
     Piece& piece = pieces.all[pieces.count++];
-    piece.solidAngle = sum * most * scale / path.seen;
+    piece.shown = sum * most * scale / path.seen;
     piece.ws = m_center + m_frame * (path.begin + places / sum * path.way);
 }
 
 // A part in which light changes little: by Gauss' two points.
 void AreaShine::addEven(const Path& path, double from, double to, Pieces& pieces) const {
     const double half = 0.5 * (to - from), middle = from + half, beside = half / std::sqrt(3.0);
-    const auto seenAt = [&](double s) { return std::exp(-path.tau * s) * atLocal(path.begin + s * path.way); };
+    const auto seenAt = [&](double s) { return std::exp(-path.tau * s) * shownLocal(path.begin + s * path.way); };
     const double near = seenAt(middle - beside), far = seenAt(middle + beside), sum = near + far;
     if (sum <= 0) return;
     Piece& piece = pieces.all[pieces.count++];
-    piece.solidAngle = sum * half / path.seen;
+    piece.shown = sum * half / path.seen;
     piece.ws = m_center + m_frame * (path.begin + (middle + beside * (far - near) / sum) * path.way);
 }
 
@@ -208,7 +393,7 @@ AreaShine::Pieces AreaShine::along(const Vec3& wsBegin, const Vec3& wsPath, doub
     if (away > kFar * path.length) {
         // What changes evenly counts as it is where the eye sees half of the path.
         const double s = 0.5 - tau / 12 / (1 + std::abs(tau) / 6);
-        pieces.all[pieces.count++] = {atLocal(path.begin + s * path.way), wsBegin + s * wsPath};
+        pieces.all[pieces.count++] = {shownLocal(path.begin + s * path.way), wsBegin + s * wsPath};
         return pieces;
     }
     const std::size_t parts = litParts(path, lit);

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a flat or round surface shines at a place before anything holds its light back: the solid angle that its emitting
-// side fills there, in closed form. Close to a surface this changes within a cell and within a sheet, where all else
-// that makes its light changes slowly.
+// side fills there, in closed form, and what phase functions show of it. Close to a surface both change within a cell
+// and within a sheet, where all else that makes its light changes slowly.
 #pragma once
 
+#include <scrim/geometry/camera.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/scene/light.h>
+#include <scrim/scene/medium.h>
+#include <scrim/scene/phase_over_caps.h>
 
 #include <array>
+#include <numbers>
 #include <span>
+#include <vector>
 
 namespace scrim {
 
@@ -16,17 +21,25 @@ class AreaShine {
   public:
     /// True for rectangles, disks and cylinders that shine evenly: with neither a slide nor a spread.
     static bool serves(const Light& light);
-    /// `light`: an area light that is a rectangle, a disk or a cylinder, which need not shine evenly.
-    explicit AreaShine(const Light& light);
+    /// `light`: an area light that is a rectangle, a disk or a cylinder, which need not shine evenly. `octaves`: what
+    /// the medium sends towards the camera.
+    AreaShine(const Light& light, const std::vector<Octave>& octaves, const Camera& camera);
 
     /// Steradians, from 0 (behind a rectangle or disk, within a cylinder or beyond its ends) to 2 pi.
     double at(const Vec3& ws) const;
+    /// The integral over the directions towards the surface, world space. Over its length, divided by the solid angle,
+    /// the directions' mean cosine to their middle.
+    Vec3 towards(const Vec3& ws) const;
+    /// What the eye sees of a radiance of 1 for a scattering coefficient of 1: the integral of the phase functions over
+    /// the solid angle. That is taken for a cap with the same middle and the same mean cosine, which phase functions
+    /// that are linear in the cosine do not tell from it; where lobes are narrower, for one cap for each part of it.
+    double shown(const Vec3& ws) const;
     /// World units to the surface; 0 within a cylinder.
     double distance(const Vec3& ws) const;
 
-    /// A part of a path: what it adds to the path's mean solid angle, and the place, world space, about which it does.
+    /// A part of a path: what it adds to the path's mean of `shown`, and the place, world space, about which it does.
     struct Piece {
-        double solidAngle = 0;
+        double shown = 0;
         Vec3 ws{0};
     };
     struct Pieces {
@@ -47,6 +60,10 @@ class AreaShine {
     };
     Vec3 local(const Vec3& ws) const { return (ws - m_center) * m_frame; }
     double atLocal(const Vec3& p) const;
+    template <class Visit>
+    void visitPatches(const Vec3& p, double least, const Visit& visit) const;
+    Vec3 towardsLocal(const Vec3& p) const;
+    double shownLocal(const Vec3& p) const;
     double distanceLocal(const Vec3& p) const;
     double nearest(const Path& path, double from, double to) const;
     double scaleAt(const Vec3& p) const;
@@ -58,6 +75,14 @@ class AreaShine {
     Vec3 m_center;
     Mat3 m_frame;
     double m_halfWidth, m_halfHeight, m_radius;
+    Camera m_camera;
+    double m_lobe = std::numbers::pi;  // the width of the narrowest one of the octaves'
+    double m_even = 0;                 // what octaves show that send light to all sides alike, per steradian
+    struct Directed {
+        double share;
+        PhaseOverCaps caps;
+    };
+    std::vector<Directed> m_directed;  // the others
 };
 
 }  // namespace scrim

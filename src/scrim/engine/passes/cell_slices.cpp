@@ -2,6 +2,7 @@
 #include <scrim/engine/passes/cell_slices.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/passes/sharpen.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,25 +19,15 @@ namespace scrim {
 namespace {
 
 // Sharpens a row of `count` - 2 cells into `to`. `rows`: itself, those beside it, and those in the slices below and
-// above, `count` values each. A neighbour of 0 is not known.
-void sharpenRow(const std::vector<Real>& rows, std::size_t count, const std::array<Real, 3>& perBend, bool steep,
-                Real* to) {
+// above, `count` values each.
+void sharpenRow(const std::vector<Real>& rows, std::size_t count, bool steep, Real* to) {
     const Real* own = rows.data();
     for (std::size_t i = 1; i + 1 < count; ++i) {
-        const Real value = own[i];
-        Real bend = 0, least = value, most = value;
-        const auto add = [&](Real factor, Real low, Real high) {
-            if (low == 0 || high == 0) return;
-            const Real d = low + high - 2 * value;
-            bend += steep && d > 0 && value > 0 ? value * (1 - 1 / std::sqrt(std::sqrt(1 + 4 * factor * d / value)))
-                                                : factor * d;
-            least = std::min({least, low, high});
-            most = std::max({most, low, high});
-        };
-        add(perBend[0], own[i - 1], own[i + 1]);
-        add(perBend[1], own[count + i], own[2 * count + i]);
-        add(perBend[2], own[3 * count + i], own[4 * count + i]);
-        to[i - 1] = std::clamp(value - bend, least, most);
+        Sharpened sharp(own[i], steep);
+        sharp.along(kBendAcross, own[i - 1], own[i + 1]);
+        sharp.along(kBendAcross, own[count + i], own[2 * count + i]);
+        sharp.along(kBendAlong, own[3 * count + i], own[4 * count + i]);
+        to[i - 1] = sharp.light();
     }
 }
 
@@ -374,7 +365,6 @@ void CellSlices::visitCells(CellField& field, const Visit& visit, const Wanted& 
 }
 
 void CellSlices::sharpen(std::size_t count, bool steep) {
-    constexpr std::array<Real, 3> kPerBend{Real(0.1), Real(0.1), Real(1.0 / 12)};
     for (std::size_t c = 0; c < count; ++c) {
         // This slice and the one below it, as they were.
         std::vector<Real> here, below;
@@ -403,7 +393,7 @@ void CellSlices::sharpen(std::size_t count, bool steep) {
                 take(2, here, j + 1, k);
                 take(3, below, j, k - 1);
                 take(4, m_sums[c], j, k + 1);
-                sharpenRow(rows, length, kPerBend, steep, sums(c, j, k) + span.begin);
+                sharpenRow(rows, length, steep, sums(c, j, k) + span.begin);
             };
             parallelFor(std::size_t(size[1]), [&](std::size_t j) {
                 for (const CellSpan& span : wanted.row(rowIndex(static_cast<int>(j), k)))
@@ -468,26 +458,6 @@ void CellSlices::addNearLight(std::size_t count, std::size_t to, AreaField& area
         for (std::size_t c = 0; c < count; ++c) out[to + c] += share * m_sums[c][from];
     };
     visitCells(area.lit(), add, kAllBlocks);
-}
-
-void CellSlices::addOpen(AreaField& area) const {
-    const CellGrid& grid = area.open().grid();
-    const auto add = [&](const Int3& at, std::size_t, Real* out) {
-        *out = static_cast<Real>(area.evenLight(grid.wsFromCs(Vec3(at) - 0.5)));
-    };
-    visitCells(area.open(), add, kAllBlocks);
-}
-
-void CellSlices::addFarLight(std::size_t count, std::size_t to, const AreaField& area, CellField& far) const {
-    const std::vector<const Real*> shares = area.farShares(far.grid());
-    const Real* begin = far.block(0);
-    const auto add = [&](const Int3&, std::size_t from, Real* out) {
-        const auto cell = static_cast<std::size_t>(out - begin) / far.colours();
-        const Real* own = shares[cell / kPaddedCells];
-        const Real share = own ? own[cell % kPaddedCells] : Real(1);
-        for (std::size_t c = 0; c < count; ++c) out[to + c] += share * m_sums[c][from];
-    };
-    visitCells(far, add, kAllBlocks);
 }
 
 std::size_t CellSlices::bytes() const {

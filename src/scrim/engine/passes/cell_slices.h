@@ -98,13 +98,7 @@ class CellSlices {
     std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius);
     void restore(const std::vector<std::pair<std::size_t, Real>>& before);
     void clearSums(std::size_t sums);
-    /// Subtracts from each sum the mean error of linear interpolation: d / 12 along the axis of the slices and d / 10
-    /// along each axis within a slice, where d is the second difference along the axis. 1 / 12 is the error of
-    /// interpolation between the centres of cells; within a slice, light is also interpolated from rays to cells. The
-    /// result stays between the least and the largest of the sum and its neighbours. An axis along which a neighbour
-    /// is not wanted is left out.
-    /// `steep`: light falls as exponentials do, as it does below surfaces. Of such a one, with q = d / value, about
-    /// 1 - (1 + q / 3)^(-1/4) is too much, which is q / 12 for small q.
+    /// Subtracts from each sum the mean error of interpolation (Sharpened), as far as its neighbours are wanted.
     void sharpen(std::size_t count, bool steep);
     /// Adds `count` sums from `first` on to a field, from its colour `to` on. Its grid may have other blocks of the
     /// same cells.
@@ -114,11 +108,8 @@ class CellSlices {
     /// Adds to `far` the light of `lamp`, whose transmittance at a knot the sums are, at cells far from it. `colour`:
     /// the only one that the sums are for; -1: all.
     void addFarLight(const LampField& lamp, std::size_t knot, int colour, CellField& far) const;
-    /// Adds what an area light's own cells keep of `count` sums, from its colour `to` on; its `open` where light is
-    /// wanted; and, to `far`, what these cells leave.
+    /// Adds what an area light's own cells keep of `count` sums, from its colour `to` on.
     void addNearLight(std::size_t count, std::size_t to, AreaField& area) const;
-    void addOpen(AreaField& area) const;
-    void addFarLight(std::size_t count, std::size_t to, const AreaField& area, CellField& far) const;
     std::size_t bytes() const;
 
   private:

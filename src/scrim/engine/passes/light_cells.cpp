@@ -8,6 +8,7 @@
 #include <scrim/engine/passes/level_media.h>
 #include <scrim/engine/passes/light_jobs.h>
 #include <scrim/engine/passes/lit_surfaces.h>
+#include <scrim/engine/passes/sharpen.h>
 #include <scrim/engine/passes/sky_peaks.h>
 #include <scrim/engine/passes/sources.h>
 
@@ -18,6 +19,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <span>
 #include <thread>
@@ -160,7 +162,8 @@ class Pass {
         const auto before = lamp && hollowOnCells(lamp->lamp(), m_grid.edge())
                                 ? slices.hollow(lamp->lamp().wsPosition, lamp->lamp().area()->radius)
                                 : std::vector<std::pair<std::size_t, Real>>();
-        // Each light is sharpened alone, because what limits that depends on all that is in the sums.
+        // Each light is sharpened alone, because what limits that depends on all that is in the sums. What comes from
+        // points has a part of it along each axis, which ends where the next one begins: it waits for all of them.
         const auto end = sources.owners.end();
         for (auto first = sources.owners.begin(), last = first; first != end; first = last) {
             last = std::upper_bound(first, end, *first);
@@ -181,18 +184,63 @@ class Pass {
             }
             AreaField* area = job.areas.empty() ? nullptr : job.areas[std::size_t(sources.owners[begin])].get();
             if (area) slices.addNearLight(colours, to, *area);
-            if (!lamp && sources.attenuated) slices.sharpen(sums, job.surface >= 0);
-            area ? slices.addFarLight(colours, to, *area, field) : slices.addTo(0, colours, to, field);
-            if (job.mirrored) slices.addTo(colours, colours, to, *job.mirrored);
+            const bool sharp = !lamp && sources.attenuated, whole = sharp && !points.empty();
+            if (sharp && !whole) slices.sharpen(sums, job.surface >= 0);
+            Waiting* waits = whole ? &waitingOf(job, begin, std::size_t(last - first)) : nullptr;
+            slices.addTo(0, colours, to, waits ? waits->light : field);
+            if (job.mirrored) slices.addTo(colours, colours, to, waits ? *waits->mirrored : *job.mirrored);
         }
         slices.restore(before);
         if (lamp && job.field) slices.addFarLight(*lamp, job.knot, colour, *job.field);
     }
 
+    // Once light has passed along all axes: adds what has waited for that to the fields of its jobs.
+    void finish() {
+        for (Waiting& waits : m_waiting) {
+            const LightJob& job = *waits.job;
+            const bool steep = job.surface >= 0;
+            sharpenAround(waits.wsSource, steep, waits.light);
+            if (waits.area) waits.area->keepFar(waits.light);
+            job.field->add(waits.light);
+            if (!job.mirrored) continue;
+            sharpenAround(waits.wsSource, steep, *waits.mirrored);
+            job.mirrored->add(*waits.mirrored);
+        }
+    }
+
     // Pairs of cells and sources so far.
     std::uint64_t directions() const { return m_directions; }
+    std::size_t bytes() const {
+        std::size_t bytes = 0;
+        for (const Waiting& waits : m_waiting)
+            bytes += waits.light.bytes() + (waits.mirrored ? waits.mirrored->bytes() : 0);
+        return bytes;
+    }
 
   private:
+    // What has come of one light's points so far.
+    struct Waiting {
+        const LightJob* job;
+        std::size_t first;  // of its sources
+        const AreaField* area;
+        Vec3 wsSource;
+        CellField light;
+        std::optional<CellField> mirrored;
+    };
+    // That of `count` sources of a job from `first` on.
+    Waiting& waitingOf(const LightJob& job, std::size_t first, std::size_t count) {
+        const auto known =
+            std::ranges::find_if(m_waiting, [&](const Waiting& w) { return w.job == &job && w.first == first; });
+        if (known != m_waiting.end()) return *known;
+        Vec3 wsSource(0);
+        for (std::size_t i = 0; i < count; ++i)
+            wsSource += job.sources.lights[first + i].wsPosition / static_cast<double>(count);
+        const auto owner = std::size_t(job.sources.owners[first]);
+        Waiting& waits = m_waiting.emplace_back(Waiting{
+            &job, first, job.areas.empty() ? nullptr : job.areas[owner].get(), wsSource, job.field->blackAlike(), {}});
+        if (job.mirrored) waits.mirrored = job.mirrored->blackAlike();
+        return waits;
+    }
     // Of a light, those that go up, those that go down, and those of points.
     struct Rays {
         std::vector<CellRays> suns[2], points;
@@ -266,6 +314,7 @@ class Pass {
     const std::function<void()>& m_checkpoint;
     double m_beside;  // how far behind a surface cells may be looked up together with those in front, cells
     std::uint64_t m_directions = 0;
+    std::vector<Waiting> m_waiting;
 };
 
 // Finds what holds back the light of each job: on the level's own cells without its surfaces' extinction, which is
@@ -316,17 +365,34 @@ std::vector<bool> blocksSeen(const ViewScene& scene, const CellGrid& grid, const
     return seen;
 }
 
-// Fills what area lights would show close to them if nothing held it back. Slices along any axis serve.
-void passOpenAreas(const std::vector<LightJob>& jobs, const CellSlices& slices) {
-    std::set<const AreaField*> opened;  // octaves share them
+// Fills what area lights would show close to them if nothing held it back, for a radiance of 1.
+void passOpenAreas(const std::vector<LightJob>& jobs, Pass& pass) {
     for (const LightJob& job : jobs)
-        for (const auto& area : job.areas)
-            if (area && opened.insert(area.get()).second) slices.addOpen(*area);
+        for (std::size_t owner = 0; owner < job.areas.size(); ++owner) {
+            const std::shared_ptr<AreaField>& area = job.areas[owner];
+            if (!area) continue;
+            LightJob open{job.first, {}, job.octave, {area, &area->open()}};
+            open.sources.attenuated = false;
+            open.wide = {job.wide[owner]};
+            for (std::size_t i = 0; i < job.sources.lights.size(); ++i) {
+                if (std::size_t(job.sources.owners[i]) != owner) continue;
+                Light& light = open.sources.lights.emplace_back(job.sources.lights[i]);
+                light.intensity = Rgb(job.sources.parts[i]);
+                open.sources.parts.push_back(job.sources.parts[i]);
+            }
+            open.sources.owners.assign(open.sources.lights.size(), 0);
+            CellSlices slices(area->open().grid());
+            const std::vector<Real> empty(area->open().grid().cells(), Real(0));
+            for (int axis = 0; axis < 3; ++axis) {
+                slices.layAlong(axis);
+                slices.fill(empty, CellSlices::kEverywhere);
+                pass.add(open, -1, {}, slices);
+            }
+        }
 }
 
-// Fills what solids let through of the lamps' light; once, what area lights have.
+// Fills what solids let through of the lamps' light.
 void passOpen(const std::vector<LightJob>& jobs, Pass& pass, CellSlices& slices) {
-    if (slices.axes[2] == 0) passOpenAreas(jobs, slices);
     std::set<const CellField*> opened;  // octaves of a lamp share it
     for (const LightJob& job : jobs) {
         if (!job.open || !opened.insert(job.open.get()).second) continue;
@@ -336,6 +402,18 @@ void passOpen(const std::vector<LightJob>& jobs, Pass& pass, CellSlices& slices)
         open.blocked = true;
         pass.add(LightJob{job.first, std::move(open), {}, job.open}, -1, {}, slices);
     }
+}
+
+// What is left to do once light has passed along all axes. `held`: what holds back that of each job.
+void finishJobs(const ViewScene& scene, const std::vector<LightJob>& jobs, const std::vector<Holding>& held, Pass& pass,
+                const std::function<void()>& checkpoint) {
+    pass.finish();
+    passOpenAreas(jobs, pass);
+    for (const LightJob& job : jobs)
+        if (job.lamp && job.knot == 0)
+            job.lamp->makeMean(held[job.media].together(), job.open);
+        else if (!job.lamp && job.surface < 0)
+            addPeaks(scene, job.sources, job.wide, job.octave, held[job.media].together(), *job.field, checkpoint);
 }
 
 // The light of these octaves on cells of `edge`.
@@ -389,13 +467,9 @@ std::vector<CellLight> octavesOnCells(const LevelScene& level, const std::vector
         passOpen(jobs, pass, slices);
         most = std::max(most, slices.bytes());
     }
-    for (const LightJob& job : jobs)
-        if (job.lamp && job.knot == 0)
-            job.lamp->makeMean(held[job.media].together(), job.open);
-        else if (!job.lamp && job.surface < 0)
-            addPeaks(scene, job.sources, job.wide, job.octave, held[job.media].together(), *job.field, checkpoint);
+    finishJobs(scene, jobs, held, pass, checkpoint);
     for (const Holding& one : held) work.bytes += one.bytes();
-    work.bytes += most + surfaces.bytes();
+    work.bytes += most + surfaces.bytes() + pass.bytes();
     work.directions += pass.directions();
     return all;
 }

@@ -126,17 +126,21 @@ class Jobs {
         if (sources.lights.empty()) return;
         const auto field = std::make_shared<CellField>(m_grid, static_cast<int>(sources.colours), sources.tint);
         shown.field = field;
-        const std::vector<std::shared_ptr<AreaField>> areas = areasOf(sources);
-        for (const auto& area : areas)
-            if (area) shown.areas.push_back(area);
+        const std::size_t first = jobs.size();
         for (const Octave& octave : octaves) {
             LightJob& job = jobs.emplace_back(LightJob{lit.front(), sources, octave, field});
             job.wide = widePhases(m_scene, sources, octave.phase);
-            job.areas = areas;
         }
+        const std::span<LightJob> own(jobs.data() + first, octaves.size());
+        const std::vector<std::shared_ptr<AreaField>> areas = areasOf(own);
+        for (LightJob& job : own) job.areas = areas;
+        for (const auto& area : areas)
+            if (area) shown.areas.push_back(area);
     }
-    // For each light of the sources a field of what is close to it, if AreaShine serves it.
-    std::vector<std::shared_ptr<AreaField>> areasOf(const Sources& sources) const {
+    // For each light of the jobs, which are those of octaves of the same sources, a field of what is close to it, if
+    // AreaShine serves it.
+    std::vector<std::shared_ptr<AreaField>> areasOf(std::span<const LightJob> jobs) const {
+        const Sources& sources = jobs.front().sources;
         std::vector<std::shared_ptr<AreaField>> areas(sources.ofScene.size());
         const Vec3 corner = cornerOfVoxels(m_scene, m_grid->edge());
         const double sheet = m_scene.dials.sheetThickness * voxelUnit(m_scene);
@@ -146,8 +150,10 @@ class Jobs {
             if (!AreaShine::serves(light) || first == end) continue;
             const std::span elements(sources.lights.begin() + (first - sources.owners.begin()),
                                      std::size_t(end - first));
+            AreaView view{{}, m_scene.camera, sheet};
+            for (const LightJob& job : jobs) view.octaves.push_back(job.octave);
             auto area =
-                std::make_shared<AreaField>(light, elements, *m_grid, corner, sheet, sources.colours, sources.tint);
+                std::make_shared<AreaField>(light, view, elements, *m_grid, corner, sources.colours, sources.tint);
             if (area->any()) areas[owner] = std::move(area);
         }
         return areas;
