@@ -153,6 +153,12 @@ NumberArray::NumberArray(nb::handle numbers, const std::string& name) {
         m_bytes = sizeof(float);
         m_swapped = false;
     }
+    // The interface between the two counts strides in numbers, which the fields of packed records need not be.
+    for (const nb::handle stride : array.attr("strides"))
+        if (nb::cast<std::int64_t>(stride) % m_bytes != 0) {
+            array = array.attr("copy")();
+            break;
+        }
     // Bytes have no type that could matter to the interface between the two.
     m_kept = array.attr("view")("u" + std::to_string(m_bytes));
     const auto bits = nb::cast<nb::ndarray<nb::ro, nb::device::cpu>>(m_kept);

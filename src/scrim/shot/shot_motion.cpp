@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/shared_light.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/geometry/even_points.h>
@@ -472,15 +473,23 @@ double ShotMotion::wantedSamples(double error, double most) const {
     const Moments moments(m_shot, m_options, std::max(kPilotVoxel / scale, m_shot.scene.dials.lod.value_or(0)),
                           middle());
     const ProgressSink waits = partOf(m_options.progress, 0, 0);
+    std::optional<double> cell;
     const auto pilotAt = [&](const Moment& moment) {
         ViewScene coarse = moments.moved(moment, sceneAt(moment));
         coarse.dials = *presetDials(presetNames().front());
+        coarse.dials.lightCell = cell;
         const bool backdrop = wants(coarse, Layer::backdrop);
         ViewScene pilot = pilotView(std::move(coarse), kPilotEdge);
         if (backdrop) pilot.layers = {Layer::backdrop};  // a lamp that is seen is blurred, too
         return pilot;
     };
-    const ViewScene inMiddle = pilotAt({middle(), Vec2(0), m_shutter.close - m_shutter.open});
+    const Moment whole{middle(), Vec2(0), m_shutter.close - m_shutter.open};
+    // What larger cells lack is in all pictures alike. Of a small picture they are most of the time.
+    constexpr double kLarger = 2;
+    const ViewScene planned = pilotAt(whole);
+    if (const CellLightPlan cells = planCellLights(planned); !cells.levels.empty())
+        cell = kLarger * smallestCell(planned, cells);
+    const ViewScene inMiddle = pilotAt(whole);
     const Plan middlePlan = makePlan(inMiddle, threadCount(), waits);
     SharedLight light(inMiddle, middlePlan);
     const auto picture = [&](int count) {

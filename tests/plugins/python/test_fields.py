@@ -56,7 +56,10 @@ def test_strides_and_types_do_not_matter():
     apart[::2, 1::2, ::2] = numbers
     backwards = numbers[::-1, ::-1, ::-1].copy()[::-1, ::-1, ::-1]
     swapped = numbers.astype(numbers.dtype.newbyteorder())
+    packed = numpy.zeros(numbers.shape, [("other", "u1"), ("density", "f4")])
+    packed["density"] = numbers
     for same in [
+        packed["density"],
         fortran,
         apart[::2, 1::2, ::2],
         backwards,

@@ -629,6 +629,8 @@ TEST(PromisedDials, SayThatASurfaceInHazeInThePictureIsNotExact) {
         area.shape = shape;
         area.width = area.height = size;
         area.radius = 0.5 * size;
+        area.surfaceArea = size * size;
+        area.wsSurface = {place - 0.5 * size, place + 0.5 * size};
         light.kind = area;
         light.wsPosition = place;
         light.shadows = shadows;
@@ -642,10 +644,30 @@ TEST(PromisedDials, SayThatASurfaceInHazeInThePictureIsNotExact) {
     EXPECT_NEAR(expected(AreaShape::rectangle, 4, within), 0.3, 1e-9);
     EXPECT_NEAR(expected(AreaShape::rectangle, 8, within), 0.15, 1e-9);
     EXPECT_EQ(expected(AreaShape::rectangle, 4, within, true), 0);  // cells keep it as they should
-    EXPECT_NEAR(expected(AreaShape::rectangle, 4, within, true, 0.6), 0.04, 1e-9);
+    EXPECT_NEAR(expected(AreaShape::rectangle, 4, within, true, 0.6), 0.02, 1e-9);
+    EXPECT_NEAR(expected(AreaShape::mesh, 4, within, true), 0.3, 1e-9);
     EXPECT_EQ(expected(AreaShape::sphere, 4, within), 0);            // it has a closed form
     EXPECT_EQ(expected(AreaShape::rectangle, 4, {1, 200, 0}), 0);    // outside of the picture
     EXPECT_EQ(expected(AreaShape::rectangle, 4, {0, 0, -2000}), 0);  // nothing around it shows its light
+}
+
+// By the depth of voxels as they are seen, at the rims of boxes about a quarter of what they have within.
+TEST(PromisedDials, SayThatFullScatteringInOpaqueVoxelsIsNotExact) {
+    const auto expected = [](double depth, Scattering scattering) {
+        ViewScene scene = orthographicScene(boxField(Int3(-8), Int3(8)), {depth, Rgb(0.9), {}}, 24, 24);
+        scene.lights = {distantLight({1, -0.5, -0.6})};
+        scene.volumes[0].medium.scattering = scattering;
+        double most = 0;
+        for (const auto& [error, why] : promisedDials(scene, "standard").beyond)
+            if (why.starts_with("light scatters many times")) most = std::max(most, error);
+        return most;
+    };
+    EXPECT_EQ(expected(0.3, Scattering::full), 0);
+    const double some = expected(12, Scattering::full), most = expected(120, Scattering::full);
+    EXPECT_GT(some, 0.08);
+    EXPECT_GT(most, 0.3);
+    EXPECT_LT(most, 0.6);
+    EXPECT_EQ(expected(120, Scattering::single), 0);
 }
 
 // No other tells of grooves that throw shadows into each other.
