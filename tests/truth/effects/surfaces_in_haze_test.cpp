@@ -83,6 +83,13 @@ TEST(SurfacesInHaze, HaveNoSeamsWhereTheirLightChangesItsAxis) {
     EXPECT_LT(most, 0.015);
 }
 
+// Where no volume holds the light back, cells near it leave the rest to others all the same.
+TEST(SurfacesInHaze, ThatHoldsNothingBackAreAsBruteForceFindsThem) {
+    ViewScene scene = haze(shape(AreaShape::rectangle, 4, 0), thin());
+    scene.volumes[0].shadows = {false};
+    EXPECT_LT(errorOf(scene, 60), 0.03);
+}
+
 // A plate hides a half of the light from a part of the haze.
 TEST(SurfacesInHaze, BesideASolidAreAsBruteForceFindsThem) {
     ViewScene scene = haze(shape(AreaShape::rectangle, 4, 0), thin());

@@ -263,7 +263,7 @@ Vec3 AreaShine::towardsLocal(const Vec3& p) const {
 }
 
 double AreaShine::shownLocal(const Vec3& p) const {
-    constexpr double kWide = 0.75, kPart = 1;  // of the lobe's width
+    constexpr double kWide = 0.75;  // of the width of the lobe
     const double solidAngle = atLocal(p);
     if (solidAngle <= 0 || m_directed.empty()) return m_even * solidAngle;
     const Vec3 toEye = travelToEye(m_camera, m_center + m_frame * p) * m_frame;
@@ -283,7 +283,7 @@ double AreaShine::shownLocal(const Vec3& p) const {
     };
     const Patch whole{solidAngle, towardsLocal(p)};
     if (halfAngleOf(whole) > kWide * m_lobe)
-        visitPatches(p, kPart * m_lobe, add);
+        visitPatches(p, m_lobe, add);
     else
         add(whole);
     return m_even * solidAngle + (all > 0 ? directed / all * solidAngle : 0);

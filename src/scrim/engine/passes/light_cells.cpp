@@ -184,7 +184,7 @@ class Pass {
             }
             AreaField* area = job.areas.empty() ? nullptr : job.areas[std::size_t(sources.owners[begin])].get();
             if (area) slices.addNearLight(colours, to, *area);
-            const bool sharp = !lamp && sources.attenuated, whole = sharp && !points.empty();
+            const bool sharp = !lamp && sources.attenuated, whole = area || (sharp && !points.empty());
             if (sharp && !whole) slices.sharpen(sums, job.surface >= 0);
             Waiting* waits = whole ? &waitingOf(job, begin, std::size_t(last - first)) : nullptr;
             slices.addTo(0, colours, to, waits ? waits->light : field);
@@ -199,7 +199,7 @@ class Pass {
         for (Waiting& waits : m_waiting) {
             const LightJob& job = *waits.job;
             const bool steep = job.surface >= 0;
-            sharpenAround(waits.wsSource, steep, waits.light);
+            if (job.sources.attenuated) sharpenAround(waits.wsSource, steep, waits.light);
             if (waits.area) waits.area->keepFar(waits.light);
             job.field->add(waits.light);
             if (!job.mirrored) continue;

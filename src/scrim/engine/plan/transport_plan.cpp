@@ -309,8 +309,11 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan, const CellLe
     }
     // Parts of the light that have fields of their own.
     const double parts = further < 1 || wants(scene, Layer::indirect) ? 1 + further : 1;
-    const double others =
-        parts * (wants(scene, Layer::light) ? double(apart.size()) : double(castingSets(scene, apart, false)));
+    // What comes from points waits in fields of its own until it has come along all axes.
+    const auto waiting =
+        double(std::ranges::count_if(apart, [&](int i) { return scene.lights[std::size_t(i)].area() != nullptr; }));
+    const double others = parts * (waiting + (wants(scene, Layer::light) ? double(apart.size())
+                                                                         : double(castingSets(scene, apart, false))));
     const double media = double(castingSets(scene, plan.lights, true));
     const bool shared = lampsShareCells(scene);
     const double blocked = solidsBlock(scene) ? lamps : 0;
