@@ -483,13 +483,11 @@ double ShotMotion::wantedSamples(double error, double most) const {
         if (backdrop) pilot.layers = {Layer::backdrop};  // a lamp that is seen is blurred, too
         return pilot;
     };
-    const Moment whole{middle(), Vec2(0), m_shutter.close - m_shutter.open};
     // What larger cells lack is in all pictures alike. Of a small picture they are most of the time.
     constexpr double kLarger = 2;
-    const ViewScene planned = pilotAt(whole);
-    if (const CellLightPlan cells = planCellLights(planned); !cells.levels.empty())
-        cell = kLarger * smallestCell(planned, cells);
-    const ViewScene inMiddle = pilotAt(whole);
+    ViewScene inMiddle = pilotAt({middle(), Vec2(0), m_shutter.close - m_shutter.open});
+    if (const CellLightPlan cells = planCellLights(inMiddle); !cells.levels.empty())
+        inMiddle.dials.lightCell = cell = kLarger * smallestCell(inMiddle, cells);
     const Plan middlePlan = makePlan(inMiddle, threadCount(), waits);
     SharedLight light(inMiddle, middlePlan);
     const auto picture = [&](int count) {

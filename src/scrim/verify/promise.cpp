@@ -136,17 +136,24 @@ void resolveNearLamps(const ViewScene& scene, PromisedDials& promised, double fi
     promised.expected = std::hypot(promised.expected, kError * std::pow(dials.sheetThickness / nearest, 2));
 }
 
+// The optical depth of voxels as they are seen, where that is about that of opaque ones; 0: they are thinner.
+double opaqueDepth(const ViewScene& scene) {
+    constexpr double kThin = 2;
+    if (depthOfVoxel(scene) < kThin) return 0;
+    const double depth = pilotSight(scene, kRays).thickness;
+    return depth < kThin ? 0 : depth;
+}
+
 // In voxels that are opaque, light turns from bright to dark within a texel. Measured in 732 pictures of
 // solid boxes, of balls with hard and soft rims and of smoke, 8 to 32 voxels wide and of 0.5 to 200 a voxel, with all
 // presets and the sun in front, aside and behind: texels and sheets left max(1, 0.6 depth^0.75) times what is expected
 // of thinner voxels, within a factor of 2 for four of five (a sun behind is darker, and leaves 3.5 times this). Of 452
 // that missed their promise, 315 were expected to by their dials alone, and 435 are with this; of the others, 19 more
 // are, which left 0.6 to 1 of it. Clouds and wisps have 0.05 to 0.6.
-void addThickness(const ViewScene& scene, PromisedDials& promised) {
-    constexpr double kThin = 2, kClearly = 1.05;
-    if (depthOfVoxel(scene) < kThin) return;
-    const double depth = pilotSight(scene, kRays).thickness, factor = 0.6 * std::pow(depth, 0.75);
-    if (depth < kThin || factor * promised.expected <= kClearly * promised.promised) return;
+void addThickness(double depth, PromisedDials& promised) {
+    constexpr double kClearly = 1.05;
+    const double factor = 0.6 * std::pow(depth, 0.75);
+    if (factor * promised.expected <= kClearly * promised.promised) return;
     // A solid box of 8^3 voxels with 100 a voxel: 11.6 %, and with resample = 2, 4 and 8 2.4, 1.2 and 0.4 %.
     promised.beyond.push_back({factor * promised.expected,
                                fmt::format("voxels of an optical depth of {:.2g} are seen, which change from bright to "
@@ -157,11 +164,10 @@ void addThickness(const ViewScene& scene, PromisedDials& promised) {
 // Full scattering in voxels that are opaque: most of what is scattered more than once comes from a layer within the
 // outermost ones, which neither cells nor kernels resolve. Solid boxes and noise of 16 voxels, with an albedo of 0.9
 // and 2.4, 2.9, 22, 27 and 220 a voxel, left 21, 8, 42, 41 and 54 %, and no less with finer presets (25 % for 8).
-void addOpaqueScattering(const ViewScene& scene, PromisedDials& promised) {
-    constexpr double kThin = 2, kMost = 0.6, kHalf = 10;
-    if (!promised.scattering || depthOfVoxel(scene) < kThin) return;
-    const double depth = pilotSight(scene, kRays).thickness, expected = kMost * depth / (depth + kHalf);
-    if (depth < kThin || expected <= promised.scattering->promised) return;
+void addOpaqueScattering(double depth, PromisedDials& promised) {
+    constexpr double kMost = 0.6, kHalf = 10;
+    const double expected = kMost * depth / (depth + kHalf);
+    if (!promised.scattering || expected <= promised.scattering->promised) return;
     promised.beyond.push_back(
         {expected, fmt::format("light scatters many times within the outermost voxels, which have "
                                "an optical depth of {:.2g}: finer presets do not resolve that",
@@ -482,7 +488,9 @@ PromisedDials dialsAsHeld(const ViewScene& given, const std::string& quality,
         out.dials.lightCellOthers = cells->others;
         out.expected = std::hypot(out.expected, cells->expected);
     }
-    if (!classified) addThickness(scene, out);
+    const bool full = std::ranges::any_of(scene.volumes, scattersFully);
+    const double opaque = !classified || full ? opaqueDepth(scene) : 0;
+    if (!classified) addThickness(opaque, out);
     if (classified && softlyLit(scene)) {
         addLargeCells(scene, out);
         addTouchingLamps(scene, out);
@@ -496,7 +504,7 @@ PromisedDials dialsAsHeld(const ViewScene& given, const std::string& quality,
         out.scattering->choice = chooseScattering(*scattered, scene.dials, scatteringPart(out));
         setScattering(out.dials, out.scattering->choice);
     }
-    addOpaqueScattering(scene, out);
+    addOpaqueScattering(opaque, out);
     return out;
 }
 
