@@ -3,7 +3,7 @@
 
 #include <scrim/scene/picture_cells.h>
 #include <scrim/solid/mesh_parts.h>
-#include <scrim/verify/running_sums.h>
+#include <scrim/base/running_sums.h>
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 
 #include <scrim/scene/light.h>
 #include <scrim/scene/light_at.h>
-#include <scrim/verify/shining_mesh.h>
+#include <scrim/solid/shining_mesh.h>
 
 #include <optional>
 #include <span>

@@ -164,35 +164,26 @@ bool isAmongMedia(const ViewScene& scene, const Vec3& ws, double around) {
     return meets(scene, isSeen, ws, around, 16, 0);
 }
 
-// True if a mesh hides what is within and behind it.
-bool holdsOut(const ViewScene& scene, const std::string& mesh) {
-    return scene.solids && std::ranges::any_of(scene.solids->all(),
-                                               [&](const Solid& solid) { return solid.holdout && solid.name == mesh; });
-}
-
 }  // namespace
 
 // The light of a surface rises towards it, and cells and points show it no finer than they are. A square of 1.6, 4, 8
 // and 16 voxels in haze that the eye sees, with cells of a quarter of a voxel, left 90, 23, 14 and 8 %; with shadow
 // buffers 60, 16, 11 and 7 %. A cylinder of 0.4 by 3.2 voxels left 40 %. Where look-ups compute that light (AreaField),
-// squares, disks and cylinders leave 0.2 to 1 %; with a phase function of g = 0.6 1.0, 2.0 and 1.6 %. A cube that
-// shines, a mesh of 3.5 voxels, left 34 % where it neither holds out nor holds back its own light, and 2.6 to 15 %
-// else.
+// squares, disks and cylinders leave 0.2 to 1 %; with a phase function of g = 0.6 1.0, 2.0 and 1.6 %. A cube of
+// 3.5 voxels that is a mesh leaves 0.3 to 1.5 %.
 void addSurfacesAmong(const ViewScene& scene, PromisedDials& promised) {
-    constexpr double kOfSize = 1.2, kOfHeldOut = 0.5, kMost = 0.9, kTurning = 0.02, kLobe = 0.5,
-                     kNarrowSpread = 45;  // whose beams shadow buffers see
+    constexpr double kOfSize = 1.2, kMost = 0.9, kTurning = 0.02, kLobe = 0.5;
+    constexpr double kNarrowSpread = 45;  // whose beams shadow buffers see
     for (const Light& light : scene.lights) {
         const Light::Area* area = light.area();
         if (!area || light.intensity == Rgb(0) || isLampOnCells(scene, light) || area->spread < kNarrowSpread) continue;
         const double size = std::sqrt(area->area());
-        const bool mesh = area->shape == AreaShape::mesh;
-        const Vec3 ws = mesh ? area->wsSurface.center() : light.wsPosition;
-        if (!isInPicture(scene.camera, ws) || !isAmongMedia(scene, ws, size)) continue;
+        if (!isInPicture(scene.camera, light.wsPosition) || !isAmongMedia(scene, light.wsPosition, size)) continue;
         const auto number = std::size_t(&light - scene.lights.data());
         const bool turns = narrowestLobe(scene, number) < kLobe;
         const bool ownField = AreaShine::serves(light) && planCellLights(scene).has(number);
-        const double blobs = (mesh && holdsOut(scene, area->mesh) ? kOfHeldOut : kOfSize) * voxelUnit(scene) / size;
-        const double expected = !ownField ? std::min(blobs, kMost) : turns ? kTurning : 0;
+        const double blobs = std::min(kOfSize * voxelUnit(scene) / size, kMost);
+        const double expected = !ownField ? blobs : turns ? kTurning : 0;
         if (expected > promised.promised && expected > promised.expected)
             promised.beyond.push_back(
                 {expected, fmt::format("the surface of light '{}' shines among volumes in the picture, where its light "

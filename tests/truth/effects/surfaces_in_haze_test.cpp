@@ -67,6 +67,20 @@ TEST(SurfacesInHaze, ThatScattersForwardsAreAsBruteForceFindsThem) {
     EXPECT_LT(errorNear(shape(AreaShape::cylinder, 9, 0.3), medium), 0.03);
 }
 
+// A ball of flat faces that is a mesh, as it is, and where it hides its own light: 36 and 40 % where its light is that
+// of its sub-lights, on cells or points.
+TEST(SurfacesInHaze, ThatAreMeshesAreAsBruteForceFindsThem) {
+    Light light = shape(AreaShape::mesh, 0, 0);
+    auto ball = std::make_shared<TriangleMesh>(*ballMesh({0.3, 1.2, 0.4}, 1.3, 8));
+    turnOver(*ball);
+    shineFrom(light, *ball, Mat4(1.0));
+    for (const bool hides : {false, true}) {
+        ViewScene scene = haze(light, thin());
+        if (hides) scene.solids = oneSolid(ball, false);
+        EXPECT_LT(errorOf(scene, 60), 0.03) << hides;
+    }
+}
+
 // Points send light through the slices along three axes. Each part of it ends where the next one begins, and what
 // sharpens each by itself leaves 2 % and more along these borders, through all of the haze.
 TEST(SurfacesInHaze, HaveNoSeamsWhereTheirLightChangesItsAxis) {

@@ -16,8 +16,8 @@ namespace {
 // is, and the middle of a sheet is like the whole. In haze beside a square of two voxels, with sheets of 1.4
 // voxels, 2.8 and 5 of them left 1.3 and 0.4 %.
 constexpr double kCells = 8, kSheets = 5;
-// Spacings of sub-lights beyond which their sum is that of the surface.
-constexpr double kSpacings = 3;
+// Spacings of sub-lights up to which their sum differs from the surface, and beyond which it does not.
+constexpr double kDiffer = 2, kAlike = 4;
 
 // From 1 to 0, as t does from 0 to 1, with no bend at either end.
 double fadeOut(double t) {
@@ -44,10 +44,12 @@ AreaField::AreaField(const Light& light, const AreaView& view, std::span<const L
     : m_shine(light, view.octaves, view.camera),
       m_area(light.area()->area() / double(std::max<std::size_t>(elements.size(), 1))),
       m_near(std::max(kCells * all.edge(), kSheets * view.sheet)),
-      m_mid(std::max(m_near, kSpacings * spacingOf(light, elements.size()))),
+      m_spacing(spacingOf(light, elements.size())),
       m_lit(cellsWithin(m_shine, m_near, all, wsCorner), static_cast<int>(colours), tint),
       m_open(std::make_shared<const CellGrid>(m_lit.grid()), 1),
-      m_far(any() ? cellsWithin(m_shine, m_mid, all, wsCorner) : std::make_shared<const CellGrid>(m_lit.grid()), 1) {
+      m_far(any() ? cellsWithin(m_shine, std::max(m_near, kAlike * m_spacing), all, wsCorner)
+                  : std::make_shared<const CellGrid>(m_lit.grid()),
+            1) {
     for (const Light& element : elements) {
         m_at.push_back(element.wsPosition);
         m_normal.push_back(element.wsDirection);
@@ -67,17 +69,26 @@ double AreaField::evenLight(const Vec3& ws) const {
     return m_area * sum;
 }
 
+// The part of light that this field keeps, of that of a cell.
 double AreaField::nearShare(const Vec3& ws) const {
     return fadeOut(m_shine.distance(ws) / m_near);
 }
 
 double AreaField::farShare(const Vec3& ws) const {
     constexpr double kMost = 4;  // where sub-lights are aslant, what they show says little
-    const double d = m_shine.distance(ws), far = 1 - fadeOut(d / m_near), differs = fadeOut(d / m_mid);
+    const double d = m_shine.distance(ws), far = 1 - fadeOut(d / m_near),
+                 differs = fadeOut((d / m_spacing - kDiffer) / (kAlike - kDiffer));
     if (far == 0 || differs == 0) return far;
     const double even = evenLight(ws), surface = m_shine.at(ws);
     const double brighter = even > 0 ? std::min(surface / even, kMost) : 1;
     return far * (1 + differs * (brighter - 1));
+}
+
+void AreaField::keepNear() {
+    m_lit.forCells([&](const Int3& cell, Real* values) {
+        const auto share = static_cast<Real>(nearShare(m_lit.grid().wsFromCs(Vec3(cell) + 0.5)));
+        for (std::size_t c = 0; c < m_lit.colours(); ++c) values[c] *= share;
+    });
 }
 
 void AreaField::keepFar(CellField& light) const {

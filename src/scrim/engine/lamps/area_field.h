@@ -36,16 +36,17 @@ class AreaField {
     /// True if it has cells: the light is close to those of `all`.
     bool any() const { return !m_lit.grid().storedBlocks().empty(); }
 
-    /// The sums over sub-lights of what arrives at a cell of what the eye sees of it, times nearShare; they are to be
-    /// added here.
+    /// The sums over sub-lights of what arrives at a cell of what the eye sees of it; they are to be added here before
+    /// keepNear.
     CellField& lit() { return m_lit; }
     /// What the same sub-lights would show at those cells if nothing held their light back, for a radiance of 1; it is
     /// to be added here.
     CellField& open() { return m_open; }
-    /// The part of light that this field keeps, of that of a cell at `ws`.
-    double nearShare(const Vec3& ws) const;
-    /// Takes from the light of the sub-lights, on cells of those that it was made for, what nearShare has, and gives it
-    /// what the surface shines brighter than they. To be called after the constructor alone.
+    /// Leaves of lit() the part that this field keeps, which fades out with the distance from the surface. To be called
+    /// once.
+    void keepNear();
+    /// Takes that part from the light of the sub-lights, on cells of those that the field was made for, and gives it
+    /// what the surface shines brighter than they.
     void keepFar(CellField& light) const;
 
     /// True if the field has light in the box.
@@ -63,13 +64,14 @@ class AreaField {
         CellField::LastBlock lit, open;
     };
     double evenLight(const Vec3& ws) const;
+    double nearShare(const Vec3& ws) const;
     double farShare(const Vec3& ws) const;
     void addPieces(const AreaShine::Pieces& pieces, double share, LastBlocks& last, Real (&rgb)[3]) const;
 
     AreaShine m_shine;
     std::vector<Vec3> m_at, m_normal;  // of its sub-lights, world space
     double m_area;                     // of a sub-light, world units squared
-    double m_near, m_mid;  // world units from the surface: how far nearShare, and sub-lights that differ, reach
+    double m_near, m_spacing;  // world units: how far from the surface nearShare reaches, and between sub-lights
     CellField m_lit, m_open, m_far;
 };
 

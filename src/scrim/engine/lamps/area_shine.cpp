@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <glm/geometric.hpp>
 
@@ -78,24 +79,35 @@ double ofCylinder(const Vec3& p, double radius, double half) {
     return kPi * most * sum;
 }
 
-// The solid angle of a polygon that is seen counterclockwise from the middle (A. van Oosterom and J. Strackee, The
-// Solid Angle of a Plane Triangle, 1983), and the integral over the directions towards it (J. H. Lambert's formula).
-Patch ofPolygon(std::span<const Vec3> corners) {
-    Patch patch;
+// The solid angle of a polygon that is seen clockwise from its front, from the middle (A. van Oosterom and J. Strackee,
+// The Solid Angle of a Plane Triangle, 1983).
+double solidAngleOf(std::span<const Vec3> corners) {
+    double sum = 0;
     const auto length = [&](std::size_t i) { return glm::length(corners[i]); };
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        const Vec3 &a = corners[i], &b = corners[(i + 1) % corners.size()], across = glm::cross(a, b);
-        const double sine = glm::length(across);
-        if (sine > 0) patch.towards += 0.5 * std::atan2(sine, glm::dot(a, b)) / sine * across;
-    }
     const Vec3& first = corners.front();
     for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
         const Vec3 &a = corners[i], &b = corners[i + 1];
         const double beside = length(0) * length(i) * length(i + 1) + glm::dot(first, a) * length(i + 1) +
                               glm::dot(first, b) * length(i) + glm::dot(a, b) * length(0);
-        patch.solidAngle += 2 * std::atan2(glm::dot(first, glm::cross(a, b)), beside);
+        sum += 2 * std::atan2(glm::dot(first, glm::cross(a, b)), beside);
+    }
+    return sum;
+}
+
+// The same with the integral over the directions towards it (J. H. Lambert's formula).
+Patch ofPolygon(std::span<const Vec3> corners) {
+    Patch patch{solidAngleOf(corners)};
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec3 &a = corners[i], &b = corners[(i + 1) % corners.size()], across = glm::cross(a, b);
+        const double sine = glm::length(across);
+        if (sine > 0) patch.towards += 0.5 * std::atan2(sine, glm::dot(a, b)) / sine * across;
     }
     return patch;
+}
+
+// Half the angle of the cap that has the same mean cosine to its middle, which is (1 + cos a) / 2.
+double halfAngleOf(const Patch& patch) {
+    return std::acos(std::clamp(2 * glm::length(patch.towards) / patch.solidAngle - 1, 0.0, 1.0));
 }
 
 // Places between two along a line, `away` from which the middle is, that see equal angles of at most `least` between
@@ -187,13 +199,62 @@ void visitCylinder(const Vec3& p, double radius, double half, double least, cons
         }
 }
 
+// The corners of a triangle as seen from `p`, clockwise from its front; nothing if that is turned away.
+std::optional<std::array<Vec3, 3>> seenTriangle(const TriangleMesh& mesh, std::size_t triangle, const Vec3& p) {
+    const Vec3 &a = mesh.corner(triangle, 0), &b = mesh.corner(triangle, 1), &c = mesh.corner(triangle, 2);
+    if (!(glm::dot(glm::cross(b - a, c - a), p - a) > 0)) return std::nullopt;
+    return std::array<Vec3, 3>{a - p, c - p, b - p};
+}
+
+// The same of a triangle: a quarter of it at a time.
+template <class Visit>
+void visitTriangle(const std::array<Vec3, 3>& corners, double least, int quarters, const Visit& visit) {
+    const Patch patch = ofPolygon(corners);
+    if (!(patch.solidAngle > 0)) return;
+    if (quarters == 0 || halfAngleOf(patch) <= 0.5 * least) {
+        visit(patch);
+        return;
+    }
+    const auto& [a, b, c] = corners;
+    const Vec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
+    for (const std::array<Vec3, 3>& quarter : {std::array<Vec3, 3>{a, ab, ca}, std::array<Vec3, 3>{ab, b, bc},
+                                               std::array<Vec3, 3>{ca, bc, c}, std::array<Vec3, 3>{ab, bc, ca}})
+        visitTriangle(quarter, least, quarters - 1, visit);
+}
+
+// The same of a mesh: what is far away as a whole.
+template <class Visit>
+void visitMesh(const ShiningMesh& mesh, const Vec3& p, double least, const Visit& visit) {
+    constexpr int kMostQuarters = 4;
+    const auto ofPart = [&](const Vec3& at, const Vec3& area) {
+        const Vec3 way = at - p;
+        const double r = glm::length(way), solidAngle = -glm::dot(area, way) / (r * r * r);
+        visit(Patch{solidAngle, solidAngle * (1 - solidAngle / (4 * kPi)) / r * way});
+    };
+    mesh.visit(p, ofPart, [&](std::size_t triangle) {
+        if (const auto corners = seenTriangle(mesh.mesh(), triangle, p))
+            visitTriangle(*corners, least, kMostQuarters, visit);
+    });
+}
+
+double ofMesh(const ShiningMesh& mesh, const Vec3& p) {
+    double sum = 0;
+    const auto ofPart = [&](const Vec3& at, const Vec3& area) {
+        const Vec3 way = at - p;
+        const double r2 = glm::dot(way, way);
+        sum -= glm::dot(area, way) / (r2 * std::sqrt(r2));
+    };
+    mesh.visit(p, ofPart, [&](std::size_t triangle) {
+        if (const auto corners = seenTriangle(mesh.mesh(), triangle, p)) sum += std::max(solidAngleOf(*corners), 0.0);
+    });
+    return sum;
+}
+
 }  // namespace
 
 bool AreaShine::serves(const Light& light) {
     const Light::Area* area = light.area();
-    return area &&
-           (area->shape == AreaShape::rectangle || area->shape == AreaShape::disk ||
-            area->shape == AreaShape::cylinder) &&
+    return area && area->shape != AreaShape::sphere && (area->shape != AreaShape::mesh || area->surface) &&
            !light.slide && !Spread(area->spread).any();
 }
 
@@ -205,6 +266,11 @@ AreaShine::AreaShine(const Light& light, const std::vector<Octave>& octaves, con
       m_halfHeight(0.5 * light.area()->height),
       m_radius(light.area()->radius),
       m_camera(camera) {
+    if (m_shape == AreaShape::mesh) {
+        m_center = Vec3(0);
+        m_frame = Mat3(1);
+        m_mesh = std::make_shared<const ShiningMesh>(*light.area()->surface);
+    }
     for (const Octave& octave : octaves)
         if (octave.phase.isotropic())
             m_even += octave.share / (4 * kPi);
@@ -230,6 +296,7 @@ double AreaShine::distance(const Vec3& ws) const {
 }
 
 double AreaShine::atLocal(const Vec3& p) const {
+    if (m_mesh) return ofMesh(*m_mesh, p);
     if (m_shape == AreaShape::cylinder) return ofCylinder(p, m_radius, m_halfWidth);
     if (p.z <= 0) return 0;
     return m_shape == AreaShape::disk ? ofDisk(p, m_radius) : ofRectangle(p, m_halfWidth, m_halfHeight);
@@ -238,7 +305,9 @@ double AreaShine::atLocal(const Vec3& p) const {
 // Calls visit(patch) for parts of the surface that are at most about `least` wide, radians, in each direction.
 template <class Visit>
 void AreaShine::visitPatches(const Vec3& p, double least, const Visit& visit) const {
-    if (m_shape == AreaShape::cylinder)
+    if (m_mesh)
+        visitMesh(*m_mesh, p, least, visit);
+    else if (m_shape == AreaShape::cylinder)
         visitCylinder(p, m_radius, m_halfWidth, least, visit);
     else if (p.z > 0 && m_shape == AreaShape::disk)
         visitDisk(p, m_radius, least, visit);
@@ -264,14 +333,11 @@ Vec3 AreaShine::towardsLocal(const Vec3& p) const {
 
 double AreaShine::shownLocal(const Vec3& p) const {
     constexpr double kWide = 0.75;  // of the width of the lobe
-    const double solidAngle = atLocal(p);
-    if (solidAngle <= 0 || m_directed.empty()) return m_even * solidAngle;
+    if (m_directed.empty()) return m_even * atLocal(p);
+    const double solidAngle = m_mesh ? 0 : atLocal(p);
+    if (!m_mesh && solidAngle <= 0) return 0;
     const Vec3 toEye = travelToEye(m_camera, m_center + m_frame * p) * m_frame;
     double directed = 0, all = 0;
-    // A cap of the half angle a has a mean cosine of (1 + cos a) / 2.
-    const auto halfAngleOf = [](const Patch& patch) {
-        return std::acos(std::clamp(2 * glm::length(patch.towards) / patch.solidAngle - 1, 0.0, 1.0));
-    };
     const auto add = [&](const Patch& patch) {
         const double length = glm::length(patch.towards);
         if (!(patch.solidAngle > 0 && length > 0)) return;
@@ -281,6 +347,10 @@ double AreaShine::shownLocal(const Vec3& p) const {
             directed += patch.solidAngle * octave.share * octave.caps.at(cosine, halfAngle);
         all += patch.solidAngle;
     };
+    if (m_mesh) {
+        visitPatches(p, m_lobe, add);
+        return m_even * all + directed;
+    }
     const Patch whole{solidAngle, towardsLocal(p)};
     if (halfAngleOf(whole) > kWide * m_lobe)
         visitPatches(p, m_lobe, add);
@@ -290,6 +360,7 @@ double AreaShine::shownLocal(const Vec3& p) const {
 }
 
 double AreaShine::distanceLocal(const Vec3& p) const {
+    if (m_mesh) return m_mesh->distance(p);
     const auto beyond = [](double x, double most) { return std::max(std::abs(x) - most, 0.0); };
     if (m_shape == AreaShape::cylinder)
         return std::hypot(beyond(p.x, m_halfWidth), beyond(std::hypot(p.y, p.z), m_radius));
@@ -335,6 +406,10 @@ std::size_t AreaShine::litParts(const Path& path, std::array<std::array<double, 
         from = std::max(from, 0.0), to = std::min(to, 1.0);
         if (to > from) parts[count++] = {from, to};
     };
+    if (m_mesh) {
+        add(0, 1);
+        return count;
+    }
     if (m_shape != AreaShape::cylinder) {
         const double end = p.z + w.z;
         if (p.z > 0 || end > 0) add(p.z > 0 ? 0 : -p.z / w.z, end > 0 ? 1 : -p.z / w.z);
@@ -383,6 +458,35 @@ void AreaShine::addEven(const Path& path, double from, double to, Pieces& pieces
     piece.ws = m_center + m_frame * (path.begin + (middle + beside * (far - near) / sum) * path.way);
 }
 
+// From one crossing of a mesh to the next, by steps about as long as the mesh is far away: over each the light changes
+// by about its half. A piece is a part of the path with all that is in it.
+void AreaShine::addAcrossMesh(const Path& path, Pieces& pieces) const {
+    constexpr double kOfDistance = 0.8, kLeast = 1.0 / 24;
+    const auto add = [&](double at, double length) {
+        const Vec3 place = path.begin + at * path.way;
+        const double own = std::exp(-path.tau * at) * shownLocal(place) * length / path.seen;
+        const double part = at * double(pieces.all.size());
+        Piece& piece = pieces.all[std::min(static_cast<std::size_t>(part), pieces.all.size() - 1)];
+        piece.shown += own;
+        piece.ws += own * place;
+    };
+    std::vector<double> ends = m_mesh->crossings(path.begin, path.way);
+    ends.push_back(1);
+    double s = 0;
+    for (const double to : ends)
+        while (s < to) {
+            const double away = distanceLocal(path.begin + s * path.way) / path.length;
+            double end = s + std::max(kOfDistance * away, kLeast);
+            if (end > to - 0.5 * kLeast) end = to;
+            const double half = 0.5 * (end - s), middle = s + half, beside = half / std::sqrt(3.0);
+            add(middle - beside, half);
+            add(middle + beside, half);
+            s = end;
+        }
+    for (const Piece& piece : pieces.all)
+        if (piece.shown > 0) pieces.all[pieces.count++] = {piece.shown, piece.ws / piece.shown};
+}
+
 AreaShine::Pieces AreaShine::along(const Vec3& wsBegin, const Vec3& wsPath, double tau) const {
     constexpr double kFar = 10, kEven = 2;  // lengths of the path: to a quarter and a fifth of a per cent
     Path path{local(wsBegin), wsPath * m_frame, glm::length(wsPath), tau, 1};
@@ -394,6 +498,10 @@ AreaShine::Pieces AreaShine::along(const Vec3& wsBegin, const Vec3& wsPath, doub
         // What changes evenly counts as it is where the eye sees half of the path.
         const double s = 0.5 - tau / 12 / (1 + std::abs(tau) / 6);
         pieces.all[pieces.count++] = {shownLocal(path.begin + s * path.way), wsBegin + s * wsPath};
+        return pieces;
+    }
+    if (m_mesh && away <= kEven * path.length) {
+        addAcrossMesh(path, pieces);
         return pieces;
     }
     const std::size_t parts = litParts(path, lit);

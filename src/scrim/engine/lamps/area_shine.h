@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a flat or round surface shines at a place before anything holds its light back: the solid angle that its emitting
-// side fills there, in closed form, and what phase functions show of it. Close to a surface both change within a cell
+// How a surface shines at a place before anything holds its light back: the solid angle that its emitting side fills
+// there, in closed form, and what phase functions show of it. Close to a surface both change within a cell
 // and within a sheet, where all else that makes its light changes slowly.
 #pragma once
 
@@ -9,8 +9,10 @@
 #include <scrim/scene/light.h>
 #include <scrim/scene/medium.h>
 #include <scrim/scene/phase_over_caps.h>
+#include <scrim/solid/shining_mesh.h>
 
 #include <array>
+#include <memory>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -19,13 +21,14 @@ namespace scrim {
 
 class AreaShine {
   public:
-    /// True for rectangles, disks and cylinders that shine evenly: with neither a slide nor a spread.
+    /// True for rectangles, disks, cylinders and meshes that shine evenly: with neither a slide nor a spread.
     static bool serves(const Light& light);
-    /// `light`: an area light that is a rectangle, a disk or a cylinder, which need not shine evenly. `octaves`: what
-    /// the medium sends towards the camera.
+    /// `light`: an area light that is no sphere, which need not shine evenly. `octaves`: what the medium sends towards
+    /// the camera.
     AreaShine(const Light& light, const std::vector<Octave>& octaves, const Camera& camera);
 
-    /// Steradians, from 0 (behind a rectangle or disk, within a cylinder or beyond its ends) to 2 pi.
+    /// Steradians, from 0 (behind a rectangle or disk, within a cylinder or beyond its ends) to 2 pi; of a mesh the sum
+    /// over its triangles, whatever hides them.
     double at(const Vec3& ws) const;
     /// The integral over the directions towards the surface, world space. Over its length, divided by the solid angle,
     /// the directions' mean cosine to their middle.
@@ -70,11 +73,13 @@ class AreaShine {
     std::size_t litParts(const Path& path, std::array<std::array<double, 2>, 2>& parts) const;
     void addPiece(const Path& path, double from, double to, Pieces& pieces) const;
     void addEven(const Path& path, double from, double to, Pieces& pieces) const;
+    void addAcrossMesh(const Path& path, Pieces& pieces) const;
 
     AreaShape m_shape;
     Vec3 m_center;
     Mat3 m_frame;
     double m_halfWidth, m_halfHeight, m_radius;
+    std::shared_ptr<const ShiningMesh> m_mesh;  // in world space, as the light's axes are then; null: it is no mesh
     Camera m_camera;
     double m_lobe = std::numbers::pi;  // the width of the narrowest one of the octaves'
     double m_even = 0;                 // what octaves show that send light to all sides alike, per steradian

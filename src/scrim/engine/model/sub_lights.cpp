@@ -217,25 +217,38 @@ void scaleToPieces(Light& light, const Rgb& radiance, const MeshPart& part, doub
     if (pieces > 0 && whole > 0) light.intensity *= std::clamp(pieces / whole, 1 / kMost, kMost);
 }
 
+// True if a mesh lies among the volumes, where each place is lit by a few of its triangles alone.
+bool isWithin(const Light& light, const Bounds& ws) {
+    const Bounds& mesh = light.area()->wsSurface;
+    return !mesh.empty() && ws.contains(mesh.lower) && ws.contains(mesh.upper);
+}
+
+// Elements all over a mesh, in front of its triangles.
+void addElements(const Light& whole, int count, std::vector<Light>& out) {
+    const MeshPlaces places(*whole.area()->surface);
+    const double own = places.area() / count;
+    if (!(own > 0)) return;
+    for (const Vec2& p : evenPlaces(count)) {
+        const auto [at, normal] = places.at(p);
+        out.push_back(elementAt(whole, at, normal, own, whole.intensity * own));
+    }
+}
+
 // One sub-light for each compact part of the mesh: a point in its middle that shines as the part does, or an element if
-// it is flat. If the mesh is itself in the way of its light, elements all over it, in front of its triangles.
+// it is flat. If the mesh is itself in the way of its light, or among the volumes, where cells know how it shines
+// (AreaShine), elements all over it.
 void addMesh(const Light& whole, int count, const ViewScene& scene, std::vector<Light>& out) {
     constexpr double kFlat = 0.95;
     if (!whole.area()->surface) return;
-    if (scene.solids && std::ranges::any_of(scene.solids->all(), [&](const Solid& solid) {
-            return solid.shadows && solid.name == whole.area()->mesh;
-        })) {
-        count *= 4;  // normals of neighbours differ, which parts would even out
-        const MeshPlaces places(*whole.area()->surface);
-        const double own = places.area() / count;
-        if (!(own > 0)) return;
-        for (const Vec2& p : evenPlaces(count)) {
-            const auto [at, normal] = places.at(p);
-            out.push_back(elementAt(whole, at, normal, own, whole.intensity * own));
-        }
+    const Bounds ws = wsBounds(scene);
+    const bool own = scene.solids && std::ranges::any_of(scene.solids->all(), [&](const Solid& solid) {
+                         return solid.shadows && solid.name == whole.area()->mesh;
+                     });
+    if (own || isWithin(whole, ws)) {
+        constexpr int kOfNormals = 4;  // those of neighbours differ, which parts would even out
+        addElements(whole, isWithin(whole, ws) ? (own ? 2 : 1) * count : kOfNormals * count, out);
         return;
     }
-    const Bounds ws = wsBounds(scene);
     for (const MeshPart& part : meshParts(*whole.area()->surface, ws, count)) {
         const PartShape shape = shapeOf(part);
         const double front = glm::length(shape.facing);
@@ -244,12 +257,6 @@ void addMesh(const Light& whole, int count, const ViewScene& scene, std::vector<
                           : elementAt(whole, shape.middle, shape.facing / front, shape.area, whole.intensity * front));
         scaleToPieces(out.back(), whole.intensity, part, shape.reach, ws);
     }
-}
-
-// True if a mesh lies among the volumes, where each place is lit by a few of its triangles alone.
-bool isWithin(const Light& light, const Bounds& ws) {
-    const Bounds& mesh = light.area()->wsSurface;
-    return !mesh.empty() && ws.contains(mesh.lower) && ws.contains(mesh.upper);
 }
 
 void addSky(const Light& whole, int count, std::vector<Light>& out) {
@@ -304,13 +311,13 @@ int subLightCount(const ViewScene& scene, const Light& light) {
     // 0.2 / N. All of these are about the square root of the light's share of the sky.
     constexpr double kPerRoot = 1;
     const double share = (shinesInBeams(scene, light) ? coneOf(light) : solidAngle(light, wsBounds(scene))) / (4 * kPi);
-    // Half of the sub-lights of a sphere or a cylinder are on its far side. A mesh is cut into parts that shine to all
-    // sides, but there is no knowing how far it extends.
+    // Half of the sub-lights of a sphere or a cylinder are on its far side, as are those of a mesh among the volumes.
+    // Elsewhere a mesh is cut into parts that shine to all sides, but there is no knowing how far it extends.
     constexpr double kLeastOfMesh = 64;
     const auto shape = light.area() ? light.area()->shape : AreaShape::disk;
-    const double used = shape == AreaShape::sphere || shape == AreaShape::cylinder     ? 0.5
-                        : shape == AreaShape::mesh && isWithin(light, wsBounds(scene)) ? 0.25
-                                                                                       : 1;
+    const bool round = shape == AreaShape::sphere || shape == AreaShape::cylinder ||
+                       (shape == AreaShape::mesh && isWithin(light, wsBounds(scene)));
+    const double used = round ? 0.5 : 1;
     const double count = kPerRoot * std::sqrt(share) / (used * scene.dials.lightError);
     const double least = shape == AreaShape::mesh ? kLeastOfMesh : 1;
     return static_cast<int>(std::clamp(std::ceil(count), least, double(kMostSubLights)));

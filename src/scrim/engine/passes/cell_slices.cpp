@@ -451,15 +451,6 @@ void CellSlices::addFarLight(const LampField& lamp, std::size_t knot, int colour
     visitCells(far, add, lit);
 }
 
-void CellSlices::addNearLight(std::size_t count, std::size_t to, AreaField& area) const {
-    const CellGrid& grid = area.lit().grid();
-    const auto add = [&](const Int3& at, std::size_t from, Real* out) {
-        const auto share = static_cast<Real>(area.nearShare(grid.wsFromCs(Vec3(at) - 0.5)));
-        for (std::size_t c = 0; c < count; ++c) out[to + c] += share * m_sums[c][from];
-    };
-    visitCells(area.lit(), add, kAllBlocks);
-}
-
 std::size_t CellSlices::bytes() const {
     std::size_t values = m_extinction.size() + m_values.size() + 4 * m_facing[0].size();
     for (const std::vector<Real>& sums : m_sums) values += sums.size();

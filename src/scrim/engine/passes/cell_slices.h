@@ -6,7 +6,6 @@
 #include <scrim/engine/cells/cell_field.h>
 #include <scrim/engine/cells/cell_grid.h>
 #include <scrim/engine/cells/surface_cells.h>
-#include <scrim/engine/lamps/area_field.h>
 #include <scrim/engine/lamps/lamp_field.h>
 #include <scrim/engine/passes/row_spans.h>
 #include <scrim/geometry/spaces.h>
@@ -108,8 +107,6 @@ class CellSlices {
     /// Adds to `far` the light of `lamp`, whose transmittance at a knot the sums are, at cells far from it. `colour`:
     /// the only one that the sums are for; -1: all.
     void addFarLight(const LampField& lamp, std::size_t knot, int colour, CellField& far) const;
-    /// Adds what an area light's own cells keep of `count` sums, from its colour `to` on.
-    void addNearLight(std::size_t count, std::size_t to, AreaField& area) const;
     std::size_t bytes() const;
 
   private:

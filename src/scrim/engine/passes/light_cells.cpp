@@ -121,9 +121,12 @@ HWY_EXPORT(sweepCells);
 
 namespace {
 
-// Exactly at the centre of a cell, a point would belong to no face of the cube around it.
-Vec3 placeOfPoint(const Vec3& ws, const CellSlices& slices) {
-    return slices.place(ws + slices.edge() * Vec3(1e-4, 1.1e-4, 1.2e-4));
+// Exactly at the centre of a cell, a point would belong to no face of the cube around it. `wsFront`: to where it is
+// moved from there, so that a surface does not hide it.
+Vec3 placeOfPoint(const Vec3& ws, const Vec3& wsFront, const CellSlices& slices) {
+    Vec3 shift = slices.edge() * Vec3(1e-4, 1.1e-4, 1.2e-4);
+    for (int i = 0; i < 3; ++i) shift[i] = std::copysign(shift[i], wsFront[i]);
+    return slices.place(ws + shift);
 }
 
 // One pass of some sources of light through the cells, for one or all colours.
@@ -183,7 +186,7 @@ class Pass {
                 pass(points, false);
             }
             AreaField* area = job.areas.empty() ? nullptr : job.areas[std::size_t(sources.owners[begin])].get();
-            if (area) slices.addNearLight(colours, to, *area);
+            if (area) slices.addTo(0, colours, to, area->lit());
             const bool sharp = !lamp && sources.attenuated, whole = area || (sharp && !points.empty());
             if (sharp && !whole) slices.sharpen(sums, job.surface >= 0);
             Waiting* waits = whole ? &waitingOf(job, begin, std::size_t(last - first)) : nullptr;
@@ -296,7 +299,7 @@ class Pass {
         rays.blocked = sources.blocked;
         if (rays.parallel) return rays;
         const double edge = m_grid.edge();
-        rays.from = placeOfPoint(light.wsPosition, slices);
+        rays.from = placeOfPoint(light.wsPosition, light.element() ? light.wsDirection : Vec3(1), slices);
         if (rays.lamp) return rays;  // the field divides by its distance
         rays.radius2 = light.point().radius * light.point().radius / (edge * edge);
         rays.decayScale = light.point().decay ? 1 / (edge * edge) : 0;
@@ -353,7 +356,7 @@ std::vector<bool> blocksSeen(const ViewScene& scene, const CellGrid& grid, const
         slices.clearSums(1);
         CellRays rays{.parallel = parallel,
                       .way = slices.reordered(wsAxis),
-                      .from = placeOfPoint(scene.camera.wsPosition, slices)};
+                      .from = placeOfPoint(scene.camera.wsPosition, Vec3(1), slices)};
         rays.weight[0] = 1;
         const CellView even;
         const std::vector<CellSlices> coarser;
@@ -408,6 +411,10 @@ void passOpen(const std::vector<LightJob>& jobs, Pass& pass, CellSlices& slices)
 void finishJobs(const ViewScene& scene, const std::vector<LightJob>& jobs, const std::vector<Holding>& held, Pass& pass,
                 const std::function<void()>& checkpoint) {
     pass.finish();
+    std::set<const AreaField*> areas;  // octaves share them
+    for (const LightJob& job : jobs)
+        for (const std::shared_ptr<AreaField>& area : job.areas)
+            if (area && areas.insert(area.get()).second) area->keepNear();
     passOpenAreas(jobs, pass);
     for (const LightJob& job : jobs)
         if (job.lamp && job.knot == 0)

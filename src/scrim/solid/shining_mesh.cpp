@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/verify/shining_mesh.h>
+#include <scrim/solid/shining_mesh.h>
 
+#include <scrim/base/running_sums.h>
 #include <scrim/geometry/bounds.h>
-#include <scrim/verify/running_sums.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -22,6 +23,38 @@ constexpr std::uint32_t kLeaf = 4;  // most triangles of a leaf
 double sent(const Vec3& cross, const Vec3& way) {
     const double r2 = std::max(glm::dot(way, way), 1e-300);
     return std::max(glm::dot(cross, way), 0.0) / (r2 * std::sqrt(r2));
+}
+
+// The place of a triangle that is nearest to `ws`.
+Vec3 nearestOf(const TriangleMesh& mesh, std::size_t triangle, const Vec3& ws) {
+    const Vec3 normal = mesh.cross(triangle);
+    Vec3 nearest(0);
+    double least = std::numeric_limits<double>::infinity();
+    bool inside = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 &from = mesh.corner(triangle, i), edge = mesh.corner(triangle, (i + 1) % 3) - from;
+        inside = inside && glm::dot(glm::cross(edge, ws - from), normal) >= 0;
+        const double s = std::clamp(glm::dot(ws - from, edge) / std::max(glm::dot(edge, edge), 1e-300), 0.0, 1.0);
+        const Vec3 at = from + s * edge;
+        if (const double d = glm::distance(ws, at); d < least) least = d, nearest = at;
+    }
+    if (!inside) return nearest;
+    return ws - glm::dot(ws - mesh.corner(triangle, 0), normal) / glm::dot(normal, normal) * normal;
+}
+
+// Where a way crosses a triangle, as a part of it.
+std::optional<double> crossingOf(const TriangleMesh& mesh, std::size_t triangle, const Vec3& ws, const Vec3& way) {
+    const Vec3 normal = mesh.cross(triangle);
+    const double down = glm::dot(normal, way);
+    if (down == 0) return std::nullopt;
+    const double s = glm::dot(normal, mesh.corner(triangle, 0) - ws) / down;
+    if (!(s > 0 && s < 1)) return std::nullopt;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3& from = mesh.corner(triangle, i);
+        const Vec3 edge = mesh.corner(triangle, (i + 1) % 3) - from;
+        if (glm::dot(glm::cross(edge, ws + s * way - from), normal) < 0) return std::nullopt;
+    }
+    return s;
 }
 
 }  // namespace
@@ -109,38 +142,79 @@ double ShiningMesh::weightOf(const Node& node, const Vec3& ws) const {
     return sum;
 }
 
-// Adds the largest nodes that are far from `ws` and wholly turned towards it, and leaves. A node within an angle a as
-// seen from there, whose normals are within b of an axis, is turned towards it where the axis is within 90 - a - b
-// degrees of the way to the place, and away from it where that is beyond 90 + a + b.
-void ShiningMesh::collect(std::uint32_t index, const Vec3& ws, Seen& seen) const {
-    constexpr double kFar = 0.2, kRounding = 1e-9;
-    const Node& node = m_nodes[index];
+// A node within an angle a as seen from `ws`, whose normals are within b of an axis, is turned towards it where the
+// axis is within 90 - a - b degrees of the way to the place, and away from it where that is beyond 90 + a + b. Towards
+// it are only nodes that are small beside their distance.
+ShiningMesh::Turned ShiningMesh::turned(const Node& node, const Vec3& ws, double size) const {
+    constexpr double kRounding = 1e-9;
     const Vec3 way = ws - node.middle;
-    const double distance = glm::length(way);
-    const double sine = node.radius / std::max(distance, 1e-300);
-    bool whole = node.second == 0;
-    if (sine < 1) {
-        const double cosine = std::sqrt(1 - sine * sine), along = glm::dot(node.axis, way) / distance;
-        const double least = node.sine * cosine + node.cosine * sine + kRounding;
-        const bool isNarrow = node.cosine * cosine - node.sine * sine > 0;
-        if (isNarrow && along < -least) return;
-        whole = whole || (isNarrow && along > least && sine < kFar);
-    }
-    if (whole) {
-        if (const double weight = weightOf(node, ws); weight > 0) {
-            seen.nodes.push_back(index);
-            seen.sums.push_back(weight + (seen.sums.empty() ? 0 : seen.sums.back()));
-        }
-        return;
-    }
-    collect(index + 1, ws, seen);
-    collect(node.second, ws, seen);
+    const double distance = glm::length(way), sine = node.radius / std::max(distance, 1e-300);
+    if (sine >= 1) return Turned::unknown;
+    const double cosine = std::sqrt(1 - sine * sine), along = glm::dot(node.axis, way) / distance;
+    const double least = node.sine * cosine + node.cosine * sine + kRounding;
+    if (!(node.cosine * cosine - node.sine * sine > 0)) return Turned::unknown;
+    if (along < -least) return Turned::away;
+    return along > least && sine < size ? Turned::towards : Turned::unknown;
 }
 
 ShiningMesh::Seen ShiningMesh::seenFrom(const Vec3& ws) const {
+    constexpr double kSmall = 0.2;
     Seen seen;
-    if (!m_nodes.empty()) collect(0, ws, seen);
+    if (m_nodes.empty()) return seen;
+    collect(0, ws, kSmall, [&](std::uint32_t index, Turned) {
+        const double weight = weightOf(m_nodes[index], ws);
+        if (!(weight > 0)) return;
+        seen.nodes.push_back(index);
+        seen.sums.push_back(weight + (seen.sums.empty() ? 0 : seen.sums.back()));
+    });
     return seen;
+}
+
+// What is small beside its distance counts as its middle.
+void ShiningMesh::nearest(std::uint32_t index, const Vec3& ws, double& distance) const {
+    constexpr double kSmall = 0.05, kNearer = 0.95;
+    const Node& node = m_nodes[index];
+    if (const double away = glm::distance(ws, node.middle); node.radius < kSmall * away) {
+        distance = std::min(distance, away);
+        return;
+    }
+    if (node.second == 0) {
+        for (std::uint32_t t = node.first; t < node.first + node.count; ++t)
+            distance = std::min(distance, glm::distance(ws, nearestOf(m_mesh, t, ws)));
+        return;
+    }
+    std::pair<double, std::uint32_t> children[] = {{0, index + 1}, {0, node.second}};
+    for (auto& [least, child] : children) least = glm::distance(ws, m_nodes[child].middle) - m_nodes[child].radius;
+    if (children[1] < children[0]) std::swap(children[0], children[1]);
+    for (const auto& [least, child] : children)
+        if (least < kNearer * distance) nearest(child, ws, distance);
+}
+
+double ShiningMesh::distance(const Vec3& ws) const {
+    double distance = std::numeric_limits<double>::infinity();
+    if (!m_nodes.empty()) nearest(0, ws, distance);
+    return distance;
+}
+
+void ShiningMesh::addCrossings(std::uint32_t index, const Vec3& ws, const Vec3& way, std::vector<double>& at) const {
+    const Node& node = m_nodes[index];
+    const Vec3 beside = node.middle - ws;
+    const double s = std::clamp(glm::dot(beside, way) / std::max(glm::dot(way, way), 1e-300), 0.0, 1.0);
+    if (glm::distance(beside, s * way) > node.radius) return;
+    if (node.second != 0) {
+        addCrossings(index + 1, ws, way, at);
+        addCrossings(node.second, ws, way, at);
+        return;
+    }
+    for (std::uint32_t t = node.first; t < node.first + node.count; ++t)
+        if (const std::optional<double> crossing = crossingOf(m_mesh, t, ws, way)) at.push_back(*crossing);
+}
+
+std::vector<double> ShiningMesh::crossings(const Vec3& ws, const Vec3& way) const {
+    std::vector<double> at;
+    if (!m_nodes.empty()) addCrossings(0, ws, way, at);
+    std::ranges::sort(at);
+    return at;
 }
 
 std::optional<ShiningMesh::Choice> ShiningMesh::choose(const Seen& seen, const Vec3& ws, double part) const {
