@@ -11,6 +11,7 @@
 #include <scrim/scene/optics.h>
 #include <scrim/scene/phase_over_caps.h>
 #include <scrim/scene/quality.h>
+#include <scrim/verify/aligned_rays.h>
 #include <scrim/verify/light_cell_pilot.h>
 #include <scrim/verify/pilot_picture.h>
 #include <scrim/verify/pilot_rays.h>
@@ -202,6 +203,7 @@ bool softlyLit(const ViewScene& scene) {
 ViewScene unlit(ViewScene scene) {
     scene.lights.clear();
     for (ViewVolume& volume : scene.volumes) {
+        volume.emission.clear();
         volume.lights.clear();
         volume.shadows.clear();
     }
@@ -235,8 +237,8 @@ ToleranceModel modelOfMedia(const ViewScene& scene, int mostRays) {
     constexpr double kSoft = 1.5, kSoftAndOpaque = 2, kOpaque = 1;
     const double soft = !softlyLit(scene) ? 1 : depthOfVoxel(scene) > kOpaque ? kSoftAndOpaque : kSoft;
     double error = pilotError(scene, kRays, mostRays);
-    // Lights that miss all volumes say nothing about the error.
-    if (lit && error == 0) error = kUnlit * pilotError(unlit(scene), kRays, mostRays);
+    // Lights that miss all volumes say nothing about the error, nor does fire that no ray meets.
+    if (error == 0) error = kUnlit * pilotError(unlit(scene), kRays, mostRays);
     ToleranceModel model = expectedModel((lit ? 1 : kUnlit) * soft * error, meanSlant(scene));
     // Shadow buffers lose light by the same sheets that the eye looks through, and errors of the two cancel; cells do
     // not. A ball of 0.24 a voxel, 25 voxels from a point: sheets of 2 and 0.8 voxels left 0.31 and 0.19 % by buffers,
@@ -497,6 +499,7 @@ PromisedDials dialsAsHeld(const ViewScene& given, const std::string& quality,
     }
     addNarrow(scene, out);
     addSurfacesAmong(scene, out);
+    addAlignedRays(scene, out);
     if (solidsBlock(scene)) resolveEdges(scene, out, finest);
     resolveNearLamps(scene, out, finest);
     if (const auto scattered = scatterPilot(scene)) {

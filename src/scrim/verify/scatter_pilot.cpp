@@ -2,6 +2,7 @@
 #include <scrim/verify/scatter_pilot.h>
 
 #include <scrim/base/percent.h>
+#include <scrim/engine/model/served_lights.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/cells/cell_levels.h>
@@ -108,15 +109,21 @@ void lookAtThickness(const ViewScene& scene, ScatterPilot& pilot) {
 // The scene without light that enters at the border.
 ViewScene withoutSkies(ViewScene scene) {
     scene.ambient = Rgb(0);
-    for (Light& light : scene.lights)
-        if (light.dome()) light.intensity = Rgb(0);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+        if (entersAtBorder(scene, i)) scene.lights[i].intensity = Rgb(0);
     return scene;
 }
 
 bool hasSkies(const ViewScene& scene) {
-    return scene.ambient != Rgb(0) || std::ranges::any_of(scene.lights, [](const Light& light) {
-               return light.dome() && light.intensity != Rgb(0);
+    return scene.ambient != Rgb(0) || std::ranges::any_of(scene.lights, [&](const Light& light) {
+               return light.intensity != Rgb(0) && entersAtBorder(scene, std::size_t(&light - scene.lights.data()));
            });
+}
+
+bool anyFire(const ViewScene& scene) {
+    return std::ranges::any_of(scene.volumes, [](const ViewVolume& volume) {
+        return std::ranges::any_of(volume.emission, [](const ViewEmission& e) { return !e.field.field->empty(); });
+    });
 }
 
 std::vector<CellLight> solved(const ViewScene& with) {
@@ -207,6 +214,11 @@ std::optional<ScatterPilot> scatterPilot(const ViewScene& given) {
     pilot.ofEach = seen.ofEach;
     pilot.share = seen.share;
     pilot.rayEffects = seenCells(seenBeside, fine, solved(withCells(scene, pilot.edge, kOrdinateCounts[1]))).difference;
+    // Fire that is small from where it is seen lights by a few ordinates or none: smoke of 1.2 units, 12 units from a
+    // ball of fire of 4, had from none to 12 times its light. Solves that find none are then alike.
+    constexpr double kMissed = 2.2, kMost = 10;
+    if (seen.share == 0 && seen.other == 0 && anyFire(scene)) pilot.rayEffects = kMissed;
+    for (double* error : {&pilot.difference, &pilot.ofEach, &pilot.rayEffects}) *error = std::min(*error, kMost);
     return pilot;
 }
 

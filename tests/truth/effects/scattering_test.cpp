@@ -14,6 +14,7 @@
 #include <scrim/engine/cells/ordinates.h>
 #include <scrim/engine/solve/scattered_light.h>
 #include <scrim/verify/path_tracer.h>
+#include <scrim/verify/pilot_picture.h>
 #include <scrim/verify/reference.h>
 
 #include <gtest/gtest.h>
@@ -620,6 +621,23 @@ TEST(MultipleScattering, OfADomeIsTheDomeWhereLightScattersOnce) {
     std::vector<VerifiedPixel> pixels;
     for (int i = 0; i < 32; ++i) pixels.push_back({6 + i % 8 * 5, 6 + i / 8 * 10, {}, {}, {}});
     EXPECT_LT(std::abs(greenBias(scene, frame, pixels)), 0.005);
+}
+
+// Light that nothing holds back arrives everywhere alike, so that smoke shines as fire of its density does. With what
+// comes in at the border, held back, a third is missing.
+TEST(MultipleScattering, OfADomeWithoutShadowsIsThatOfEvenFire) {
+    ViewScene scene = smoke(0.3, 0.9, 0, {0, -1, 0});
+    Light dome;
+    dome.kind = Light::Dome{};
+    dome.intensity = Rgb(1);
+    dome.shadows = false;
+    scene.lights = {dome};
+    scene.dials.scatterCell = 1;
+    const Image lit = renderScene(scene).image;
+    scene.lights.clear();
+    scene.volumes[0].emission = {{{scene.volumes[0].field, scene.volumes[0].wsFromIs}, Rgb(0.3 * 0.9)}};
+    const Image glows = renderScene(scene).image;
+    EXPECT_LT(differenceOf(lit, glows).error, 0.03);
 }
 
 // None of the directions goes without where the picture has fewer pixels than there are directions.

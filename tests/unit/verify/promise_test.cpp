@@ -651,6 +651,36 @@ TEST(PromisedDials, SayThatASurfaceInHazeInThePictureIsNotExact) {
     EXPECT_EQ(expected(AreaShape::rectangle, 4, {0, 0, -2000}), 0);  // nothing around it shows its light
 }
 
+// One pixel a voxel: through their centres, beside these, and with rays between them.
+TEST(PromisedDials, SayThatRaysThroughCentresOfVoxelsAreNotExact) {
+    const auto expected = [](double beside, int antialias, int pixels = 26) {
+        ViewScene scene = smoke(10, 0.2, pixels);
+        scene.dials.antialias = antialias;
+        scene.camera.wsPosition += Vec3(0.5 + beside, 0.5 + beside, 0);
+        double most = 0;
+        for (const auto& [error, why] : promisedDials(scene, "standard").beyond)
+            if (why.starts_with("rays of the picture")) most = std::max(most, error);
+        return most;
+    };
+    EXPECT_GT(expected(0, 1), 0.02);
+    EXPECT_EQ(expected(0.3, 1), 0);
+    EXPECT_EQ(expected(0, 4), 0);
+    EXPECT_EQ(expected(0, 1, 31), 0);
+}
+
+// What is seen may be lit by what is not: then its edges alone say how fine the dials must be.
+TEST(PromisedDials, DoNotDependOnFireOutOfThePicture) {
+    ViewScene scene = smoke(10, 0.2, 24);
+    scene.lights.clear();
+    const Dials alone = promisedDials(scene, "standard").dials;
+    scene.volumes.push_back(scene.volumes[0]);
+    scene.volumes[1].wsFromIs = glm::translate(Mat4(1), Vec3(60, 0, 0));
+    scene.volumes[1].emission = {{{scene.volumes[1].field, scene.volumes[1].wsFromIs}, Rgb(1)}};
+    const Dials beside = promisedDials(scene, "standard").dials;
+    EXPECT_NEAR(beside.texel, alone.texel, 0.3 * alone.texel);
+    EXPECT_NEAR(beside.sheetThickness, alone.sheetThickness, 0.3 * alone.sheetThickness);
+}
+
 // By the depth of voxels as they are seen, at the rims of boxes about a quarter of what they have within.
 TEST(PromisedDials, SayThatFullScatteringInOpaqueVoxelsIsNotExact) {
     const auto expected = [](double depth, Scattering scattering) {

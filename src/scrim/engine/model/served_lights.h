@@ -27,7 +27,10 @@ struct ServedLight {
 /// For each light of the scene. `onCells`: indices of those that are kept on cells.
 std::vector<ServedLight> servedLights(const ViewScene& scene, const std::vector<int>& onCells = {});
 
-/// True if all volumes that have voxels receive skies by the border.
-bool skiesFromBorder(const ViewScene& scene);
+/// True if a light is a sky that comes in by the border of the cells on which scattered light is solved for, where it
+/// shines on all that is there, and volumes hold it back. Other skies are many suns to that solve.
+bool entersAtBorder(const ViewScene& scene, std::size_t light);
+/// True if all volumes that have voxels receive a sky by the border.
+bool comesByBorder(const ViewScene& scene, std::size_t light);
 
 }  // namespace scrim

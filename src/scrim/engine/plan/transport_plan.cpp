@@ -191,7 +191,7 @@ bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec
     if (black(light.intensity) || light.shadow == ShadowMethod::buffers) return false;
     // Each direction of an unshadowed sky would need a sweep along an axis of its own.
     if (!light.shadows && !light.dome() && !isLampOnCells(scene, light)) return false;
-    if (light.dome() && skiesFromBorder(scene)) return false;
+    if (comesByBorder(scene, std::size_t(&light - scene.lights.data()))) return false;
     const bool forced = light.shadow == ShadowMethod::cells;
     if (!surfacesFit && !forced) return false;
     if (shinesInBeams(scene, light)) return false;
@@ -433,7 +433,7 @@ std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan) {
     std::string skies;
     for (const int i : plan.lights()) {
         const Light& light = scene.lights[std::size_t(i)];
-        const double share = light.dome() ? lightInSpots(light, plan.ordinates) : 0;
+        const double share = entersAtBorder(scene, std::size_t(i)) ? lightInSpots(light, plan.ordinates) : 0;
         if (share < kLittle) continue;
         skies += fmt::format(
             "{}'{}': {:.0f} % of its light comes from spots smaller than one of the {} directions, "

@@ -2,6 +2,7 @@
 #include <scrim/engine/solve/domain_light.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/model/served_lights.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/solve/first_light.h>
 
@@ -18,7 +19,7 @@ namespace {
 // True if light of the target comes in from outside of the cells.
 bool comesIn(const ViewScene& scene, const ScatterTarget& target) {
     return target.ambient || std::any_of(target.lights.begin(), target.lights.end(),
-                                         [&](int light) { return scene.lights[std::size_t(light)].dome(); });
+                                         [&](int light) { return entersAtBorder(scene, std::size_t(light)); });
 }
 
 }  // namespace

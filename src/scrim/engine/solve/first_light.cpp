@@ -4,6 +4,7 @@
 #include <scrim/base/parallel.h>
 #include <scrim/scene/picture_cells.h>
 #include <scrim/engine/cells/cell_walk.h>
+#include <scrim/engine/model/served_lights.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/scene/light_at.h>
 
@@ -277,7 +278,7 @@ Rgb FirstCollisions::onto(const Vec3& ws, const Vec3& wsNormal) const {
 }
 
 // The most points that represent an extended light.
-constexpr int kMostPoints = 12;
+constexpr int kMostPoints = 12, kMostOfSkies = 96;
 // The mean for one ordinate, weighted by solid angles.
 struct SkyMean {
     double radiance = 0, weight = 0;
@@ -314,13 +315,15 @@ void addSky(const Light& sky, const Ordinates& ordinates, int colour, std::vecto
         if (means[m].weight > 0) radiance[m] += sky.intensity[colour] * means[m].radiance / means[m].weight;
 }
 
-// The light itself, or a few lights that represent it; of a sky its suns.
-std::vector<Light> pointsOf(const ViewScene& scene, const Light& light) {
-    if (light.dome()) return sunsOfSky(scene, light);
+// The light itself, or a few lights that represent it; of a sky that comes in at the border its suns.
+std::vector<Light> pointsOf(const ViewScene& scene, std::size_t number) {
+    const Light& light = scene.lights[number];
+    if (entersAtBorder(scene, number)) return sunsOfSky(scene, light);
     if (!light.extended()) return {light};
     ViewScene alone = scene;
     alone.lights = {light};
-    alone.lights.front().samples = std::min(subLightCount(scene, light), kMostPoints);
+    alone.lights.front().samples = std::min(subLightCount(scene, light), light.dome() ? kMostOfSkies : kMostPoints);
+    if (light.dome()) alone.volumes.clear();
     return subLights(alone).lights;
 }
 
@@ -332,7 +335,7 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
     if (target.ambient)
         for (double& r : radiance) r += scene.ambient[colour];
     for (const int light : target.lights)
-        if (scene.lights[std::size_t(light)].dome())
+        if (entersAtBorder(scene, std::size_t(light)))
             addSky(scene.lights[std::size_t(light)], ordinates, colour, radiance);
     if (std::all_of(radiance.begin(), radiance.end(), [](double r) { return r == 0; })) return {};
     return {radiance.begin(), radiance.end()};
@@ -345,8 +348,7 @@ FirstLight::FirstLight(const ViewScene& scene, const ScatterTarget& target, int 
         m_straight.assign(cells.moments ? 4 : cells.classes.size(), std::vector<Real>(solver.rows(), Real(0)));
     m_onSides.assign(cells.media.grid.sides(), Real(0));
     for (const int owner : target.lights) {
-        const Light& whole = scene.lights[std::size_t(owner)];
-        for (const Light& point : pointsOf(scene, whole)) {
+        for (const Light& point : pointsOf(scene, std::size_t(owner))) {
             const FirstCollisions rays(scene, cells.media, cells.last, cells.around, point);
             std::vector<Real>& irradiance = m_irradiance.emplace_back(solver.rows());
             m_points.emplace_back(std::size_t(owner), point);
@@ -410,7 +412,7 @@ FirstLight FirstLight::ofOnce() const {
 
 std::size_t FirstLight::points(const ViewScene& scene, const ScatterTarget& target) {
     std::size_t count = 0;
-    for (const int light : target.lights) count += pointsOf(scene, scene.lights[std::size_t(light)]).size();
+    for (const int light : target.lights) count += pointsOf(scene, std::size_t(light)).size();
     return count;
 }
 
