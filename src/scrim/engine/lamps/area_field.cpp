@@ -17,7 +17,7 @@ namespace {
 // voxels, 2.8 and 5 of them left 1.3 and 0.4 %.
 constexpr double kCells = 8, kSheets = 5;
 // Spacings of sub-lights up to which their sum differs from the surface, and beyond which it does not.
-constexpr double kDiffer = 2, kAlike = 4;
+constexpr double kDiffer = 4, kAlike = 8;
 
 // From 1 to 0, as t does from 0 to 1, with no bend at either end.
 double fadeOut(double t) {
