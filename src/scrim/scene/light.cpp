@@ -3,11 +3,13 @@
 
 #include <scrim/geometry/camera.h>
 #include <scrim/image/light_profile.h>
+#include <scrim/solid/shining_mesh.h>
 #include <scrim/solid/triangle_mesh.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #define GLM_ENABLE_EXPERIMENTAL  // glm::rotation
 #include <glm/geometric.hpp>
@@ -44,8 +46,10 @@ void shineFrom(Light& light, const TriangleMesh& mesh, const Mat4& wsFromMesh) {
     for (Vec3& point : surface->points) area.wsSurface.include(point = transformPoint(wsFromMesh, point));
     if (glm::determinant(wsFromMesh) < 0) turnOver(*surface);  // as a mirror does
     if (isInsideOut(*surface)) turnOver(*surface);
-    area.surface = surface;
-    area.surfaceArea = MeshPlaces(*surface).area();
+    // Even places in the order of the tree are even in space and among normals. In that of files they may all be on one
+    // side of a tube, ring after ring.
+    area.surface = std::make_shared<const TriangleMesh>(ShiningMesh(std::move(*surface)).mesh());
+    area.surfaceArea = MeshPlaces(*area.surface).area();
     light.wsPosition = area.wsSurface.center();
     if (area.normalize && area.area() > 0) light.intensity /= area.area();
     area.normalize = false;

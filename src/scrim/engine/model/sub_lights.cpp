@@ -2,6 +2,7 @@
 #include <scrim/engine/model/sub_lights.h>
 
 #include <scrim/scene/picture_cells.h>
+#include <scrim/scene/optics.h>
 #include <scrim/solid/mesh_parts.h>
 #include <scrim/geometry/bounds.h>
 #include <scrim/scene/light_at.h>
@@ -217,10 +218,21 @@ void scaleToPieces(Light& light, const Rgb& radiance, const MeshPart& part, doub
     if (pieces > 0 && whole > 0) light.intensity *= std::clamp(pieces / whole, 1 / kMost, kMost);
 }
 
-// True if a mesh lies among the volumes, where each place is lit by a few of its triangles alone.
-bool isWithin(const Light& light, const Bounds& ws) {
-    const Bounds& mesh = light.area()->wsSurface;
-    return !mesh.empty() && ws.contains(mesh.lower) && ws.contains(mesh.upper);
+// True if a part of a mesh is in media, where each place is lit by a few of its triangles alone.
+bool isWithin(const Light& light, const ViewScene& scene) {
+    constexpr int kPlaces = 48, kSome = 8;
+    const Bounds ws = wsBounds(scene);
+    if (!ws.contains(light.area()->wsSurface.lower) || !ws.contains(light.area()->wsSurface.upper)) return false;
+    FieldSamplers samplers;
+    std::vector<VolumeOptics> media;
+    for (const ViewVolume& volume : scene.volumes)
+        if (!volume.field->empty()) media.emplace_back(volume, Kernel::linear, samplers);
+    const MeshPlaces places(*light.area()->surface);
+    const std::vector<Vec2> even = evenPlaces(kPlaces);
+    return std::ranges::count_if(even, [&](const Vec2& p) {
+               const Vec3 at = places.at(p).at;
+               return std::ranges::any_of(media, [&](const VolumeOptics& own) { return own.mostExtinction(at) > 0; });
+           }) >= kSome;
 }
 
 // Elements all over a mesh, in front of its triangles.
@@ -235,20 +247,20 @@ void addElements(const Light& whole, int count, std::vector<Light>& out) {
 }
 
 // One sub-light for each compact part of the mesh: a point in its middle that shines as the part does, or an element if
-// it is flat. If the mesh is itself in the way of its light, or among the volumes, where cells know how it shines
+// it is flat. If the mesh is itself in the way of its light, or in media, where cells know how it shines
 // (AreaShine), elements all over it.
 void addMesh(const Light& whole, int count, const ViewScene& scene, std::vector<Light>& out) {
     constexpr double kFlat = 0.95;
-    if (!whole.area()->surface) return;
-    const Bounds ws = wsBounds(scene);
+    if (!whole.area()->surface || whole.area()->surface->triangles.empty()) return;
     const bool own = scene.solids && std::ranges::any_of(scene.solids->all(), [&](const Solid& solid) {
                          return solid.shadows && solid.name == whole.area()->mesh;
                      });
-    if (own || isWithin(whole, ws)) {
+    if (own || isWithin(whole, scene)) {
         constexpr int kOfNormals = 4;  // those of neighbours differ, which parts would even out
-        addElements(whole, isWithin(whole, ws) ? (own ? 2 : 1) * count : kOfNormals * count, out);
+        addElements(whole, kOfNormals * count, out);
         return;
     }
+    const Bounds ws = wsBounds(scene);
     for (const MeshPart& part : meshParts(*whole.area()->surface, ws, count)) {
         const PartShape shape = shapeOf(part);
         const double front = glm::length(shape.facing);
@@ -311,13 +323,11 @@ int subLightCount(const ViewScene& scene, const Light& light) {
     // 0.2 / N. All of these are about the square root of the light's share of the sky.
     constexpr double kPerRoot = 1;
     const double share = (shinesInBeams(scene, light) ? coneOf(light) : solidAngle(light, wsBounds(scene))) / (4 * kPi);
-    // Half of the sub-lights of a sphere or a cylinder are on its far side, as are those of a mesh among the volumes.
-    // Elsewhere a mesh is cut into parts that shine to all sides, but there is no knowing how far it extends.
+    // Half of the sub-lights of a sphere or a cylinder are on its far side. A mesh is cut into parts that shine to all
+    // sides, or has four elements for each, but there is no knowing how far it extends.
     constexpr double kLeastOfMesh = 64;
     const auto shape = light.area() ? light.area()->shape : AreaShape::disk;
-    const bool round = shape == AreaShape::sphere || shape == AreaShape::cylinder ||
-                       (shape == AreaShape::mesh && isWithin(light, wsBounds(scene)));
-    const double used = round ? 0.5 : 1;
+    const double used = shape == AreaShape::sphere || shape == AreaShape::cylinder ? 0.5 : 1;
     const double count = kPerRoot * std::sqrt(share) / (used * scene.dials.lightError);
     const double least = shape == AreaShape::mesh ? kLeastOfMesh : 1;
     return static_cast<int>(std::clamp(std::ceil(count), least, double(kMostSubLights)));

@@ -138,7 +138,7 @@ class Jobs {
             if (area) shown.areas.push_back(area);
     }
     // For each light of the jobs, which are those of octaves of the same sources, a field of what is close to it, if
-    // AreaShine serves it.
+    // AreaShine serves it, and sub-lights are elements of it.
     std::vector<std::shared_ptr<AreaField>> areasOf(std::span<const LightJob> jobs) const {
         const Sources& sources = jobs.front().sources;
         std::vector<std::shared_ptr<AreaField>> areas(sources.ofScene.size());
@@ -150,6 +150,7 @@ class Jobs {
             if (!AreaShine::serves(light) || first == end) continue;
             const std::span elements(sources.lights.begin() + (first - sources.owners.begin()),
                                      std::size_t(end - first));
+            if (!elements.front().element()) continue;
             AreaView view{{}, m_scene.camera, sheet};
             for (const LightJob& job : jobs) view.octaves.push_back(job.octave);
             auto area =
