@@ -170,7 +170,7 @@ bool isAmongMedia(const ViewScene& scene, const Vec3& ws, double around) {
 // and 16 voxels in haze that the eye sees, with cells of a quarter of a voxel, left 90, 23, 14 and 8 %; with shadow
 // buffers 60, 16, 11 and 7 %. A cylinder of 0.4 by 3.2 voxels left 40 %. Where look-ups compute that light (AreaField),
 // squares, disks and cylinders leave 0.2 to 1 %; with a phase function of g = 0.6 1.0, 2.0 and 1.6 %. A cube of
-// 1.6 voxels that is a mesh leaves 0.3 to 1.5 %, a ring of a tube of 1.3 voxels 3 to 4 %.
+// 1.6 voxels that is a mesh leaves 0.4 to 1.6 %, a ring of a tube of 1.3 voxels 2.5 to 3 %.
 void addSurfacesAmong(const ViewScene& scene, PromisedDials& promised) {
     constexpr double kOfSize = 1.2, kMost = 0.9, kTurning = 0.02, kLobe = 0.5, kOfMesh = 0.03;
     constexpr double kNarrowSpread = 45;  // whose beams shadow buffers see
@@ -183,7 +183,7 @@ void addSurfacesAmong(const ViewScene& scene, PromisedDials& promised) {
         const bool turns = narrowestLobe(scene, number) < kLobe;
         const bool ownField = AreaShine::serves(light) && planCellLights(scene).has(number);
         const double blobs = std::min(kOfSize * voxelUnit(scene) / size, kMost);
-        const double known = area->shape == AreaShape::mesh ? kOfMesh : turns ? kTurning : 0;
+        const double known = area->shape == AreaShape::mesh ? std::min(kOfMesh, blobs) : turns ? kTurning : 0;
         const double expected = ownField ? known : blobs;
         if (expected > promised.promised && expected > promised.expected)
             promised.beyond.push_back(
