@@ -623,8 +623,8 @@ TEST(MultipleScattering, OfADomeIsTheDomeWhereLightScattersOnce) {
     EXPECT_LT(std::abs(greenBias(scene, frame, pixels)), 0.005);
 }
 
-// Light that nothing holds back arrives everywhere alike, so that smoke shines as fire of its density does. With what
-// comes in at the border, held back, a third is missing.
+// Light that nothing holds back arrives everywhere alike, so that smoke shines as fire of its density does. What
+// comes in at the border, held back, is 85 % off.
 TEST(MultipleScattering, OfADomeWithoutShadowsIsThatOfEvenFire) {
     ViewScene scene = smoke(0.3, 0.9, 0, {0, -1, 0});
     Light dome;
