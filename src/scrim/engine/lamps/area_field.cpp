@@ -25,10 +25,6 @@ double fadeOut(double t) {
     return 1 - t * t * t * (10 - t * (15 - 6 * t));
 }
 
-double spacingOf(const Light& light, std::size_t elements) {
-    return std::sqrt(light.area()->area() / double(std::max<std::size_t>(elements, 1)));
-}
-
 // The blocks of `all` that have a cell within a distance of the surface.
 std::shared_ptr<const CellGrid> cellsWithin(const AreaShine& shine, double distance, const CellGrid& all,
                                             const Vec3& wsCorner) {
@@ -44,7 +40,7 @@ AreaField::AreaField(const Light& light, const AreaView& view, std::span<const L
     : m_shine(light, view.octaves, view.camera),
       m_area(light.area()->area() / double(std::max<std::size_t>(elements.size(), 1))),
       m_near(std::max(kCells * all.edge(), kSheets * view.sheet)),
-      m_spacing(spacingOf(light, elements.size())),
+      m_spacing(std::sqrt(m_area)),
       m_lit(cellsWithin(m_shine, m_near, all, wsCorner), static_cast<int>(colours), tint),
       m_open(std::make_shared<const CellGrid>(m_lit.grid()), 1),
       m_far(any() ? cellsWithin(m_shine, std::max(m_near, kAlike * m_spacing), all, wsCorner)

@@ -222,16 +222,22 @@ void visitTriangle(const std::array<Vec3, 3>& corners, double least, int quarter
         visitTriangle(quarter, least, quarters - 1, visit);
 }
 
+// The solid angle of an area, along its normal, that is small beside the way to it.
+double ofPart(const Vec3& area, const Vec3& way) {
+    const double r2 = glm::dot(way, way);
+    return -glm::dot(area, way) / (r2 * std::sqrt(r2));
+}
+
 // The same of a mesh: what is far away as a whole.
 template <class Visit>
 void visitMesh(const ShiningMesh& mesh, const Vec3& p, double least, const Visit& visit) {
     constexpr int kMostQuarters = 4;
-    const auto ofPart = [&](const Vec3& at, const Vec3& area) {
+    const auto visitPart = [&](const Vec3& at, const Vec3& area) {
         const Vec3 way = at - p;
-        const double r = glm::length(way), solidAngle = -glm::dot(area, way) / (r * r * r);
-        visit(Patch{solidAngle, solidAngle * (1 - solidAngle / (4 * kPi)) / r * way});
+        const double solidAngle = ofPart(area, way);
+        visit(Patch{solidAngle, solidAngle * (1 - solidAngle / (4 * kPi)) / glm::length(way) * way});
     };
-    mesh.visit(p, ofPart, [&](std::size_t triangle) {
+    mesh.visit(p, visitPart, [&](std::size_t triangle) {
         if (const auto corners = seenTriangle(mesh.mesh(), triangle, p))
             visitTriangle(*corners, least, kMostQuarters, visit);
     });
@@ -239,12 +245,8 @@ void visitMesh(const ShiningMesh& mesh, const Vec3& p, double least, const Visit
 
 double ofMesh(const ShiningMesh& mesh, const Vec3& p) {
     double sum = 0;
-    const auto ofPart = [&](const Vec3& at, const Vec3& area) {
-        const Vec3 way = at - p;
-        const double r2 = glm::dot(way, way);
-        sum -= glm::dot(area, way) / (r2 * std::sqrt(r2));
-    };
-    mesh.visit(p, ofPart, [&](std::size_t triangle) {
+    const auto addPart = [&](const Vec3& at, const Vec3& area) { sum += ofPart(area, at - p); };
+    mesh.visit(p, addPart, [&](std::size_t triangle) {
         if (const auto corners = seenTriangle(mesh.mesh(), triangle, p)) sum += std::max(solidAngleOf(*corners), 0.0);
     });
     return sum;
