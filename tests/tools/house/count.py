@@ -28,7 +28,7 @@ BUDGETS = {
     "scrim/engine/light": 3250, "scrim/engine/model": 1775, "scrim/engine/plan": 3510, "scrim/engine/shade": 2550,
     "scrim/engine/splat": 3620, "scrim/engine/cells": 3010, "scrim/engine/lamps": 1620, "scrim/engine/passes": 3150,
     "scrim/engine/solve": 3090, "scrim/base": 1910, "scrim/geometry": 900, "scrim/guard": 2450, "scrim/image": 5400,
-    "scrim/scene": 11100, "scrim/shot": 8260, "scrim/solid": 1030, "scrim/study": 2000, "scrim/verify": 5620,
+    "scrim/scene": 11100, "scrim/shot": 8260, "scrim/solid": 1030, "scrim/study": 2000, "scrim/verify": 5670,
     "scrim/volume": 9100,
     "load": 1850, "cli": 4500, "modules": 900,
 }  # fmt: skip
