@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Anderson's acceleration of the iteration x = G(x) (D. G. Anderson, J. ACM 12, 1965): the next iterate is the mix of
-// the last ones whose residuals G(x) - x cancel best.
+// Anderson's acceleration of the iteration x = G(x) (D. G. Anderson, J. ACM 12, 1965): the next
+// iterate is the mix of the last ones whose residuals G(x) - x cancel best.
 #pragma once
 
 #include <scrim/base/real.h>

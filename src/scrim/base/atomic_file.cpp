@@ -28,8 +28,8 @@ namespace scrim {
 
 namespace {
 
-// The registry is global because a signal handler cannot receive an argument. A slot is written by its owner while
-// `claimed`, and read by a handler only while `active`.
+// The registry is global because a signal handler cannot receive an argument. A slot is written by
+// its owner while `claimed`, and read by a handler only while `active`.
 enum SlotState : int { kFree, kClaimed, kActive };
 
 struct Slot {
@@ -82,8 +82,8 @@ std::string hostName() {
 
 constexpr std::string_view kTempPrefix = ".scrim-";
 
-/// A hidden file name in `folder`, different at each call. Host, process and count distinguish machines that share the
-/// folder.
+/// A hidden file name in `folder`, different at each call. Host, process and count distinguish
+/// machines that share the folder.
 std::string tempPathIn(const std::filesystem::path& folder, const std::string& extension) {
     static std::atomic<unsigned> count{0};
     const std::string name =
@@ -132,8 +132,8 @@ void removeIfAbandoned(const std::string& path, const TempWriter& writer) {
     ::close(file);
 }
 
-/// Locks a file that was just made, to show others that its writer is alive. False if it was taken for abandoned and
-/// removed before.
+/// Locks a file that was just made, to show others that its writer is alive. False if it was taken
+/// for abandoned and removed before.
 bool lockNew(int file) {
     while (::flock(file, LOCK_EX) != 0 && errno == EINTR) {
     }
@@ -177,8 +177,8 @@ void AtomicFile::checkPlace() {
 }
 
 void AtomicFile::open() {
-    // The name may exist, as the leftover of a killed process whose id was reused. And the folder may have vanished,
-    // together with the process that had made it and then wrote nothing.
+    // The name may exist, as the leftover of a killed process whose id was reused. And the folder
+    // may have vanished, together with the process that had made it and then wrote nothing.
     constexpr int kAttempts = 1000;
     const mode_t mode = m_replaced ? 0600 : 0666;  // what few may read is shown to nobody else meanwhile
     const std::filesystem::path folder = std::filesystem::path(m_target).parent_path();

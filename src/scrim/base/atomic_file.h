@@ -34,8 +34,8 @@ class AtomicFile {
     const std::string& path() const { return m_path; }
     const std::string& tempPath() const { return m_tempPath; }
 
-    /// Flushes the temporary file to disk and renames it over `path`. May be called once. Throws an Error of kind
-    /// `output`; the destructor then still removes the temporary file.
+    /// Flushes the temporary file to disk and renames it over `path`. May be called once. Throws an
+    /// Error of kind `output`; the destructor then still removes the temporary file.
     void commit();
 
   private:
@@ -69,8 +69,8 @@ void writeWholeFile(const std::string& path, std::string_view bytes);
 /// functions. At most 64 files are remembered at a time. After a fork, the files of the parent are left to the parent.
 void removeUncommittedFiles() noexcept;
 
-/// Removes temporary files in `folder` ("": the current one) whose writers were killed before they could remove them.
-/// Those of other machines that share the folder are removed after a day.
+/// Removes temporary files in `folder` ("": the current one) whose writers were killed before they
+/// could remove them. Those of other machines that share the folder are removed after a day.
 void removeAbandonedFiles(const std::string& folder) noexcept;
 
 }  // namespace scrim

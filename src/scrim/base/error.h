@@ -30,8 +30,8 @@ class Error : public std::runtime_error {
     ErrorKind m_kind;
 };
 
-/// `message` shortened to at most `limit` bytes. Texts that libraries make from damaged files can be huge and contain
-/// unprintable bytes, which become '?'.
+/// `message` shortened to at most `limit` bytes. Texts that libraries make from damaged files can
+/// be huge and contain unprintable bytes, which become '?'.
 std::string shortened(std::string_view message, std::size_t limit = 300);
 
 /// "3 bytes", "12.5 MB", in units of 1024.

@@ -18,8 +18,8 @@ struct FileIdentity {
 
 FileIdentity identityOf(const std::string& path);
 
-/// The path of the file that would be written at `path`: where symbolic links lead, whether there is a file or not.
-/// Links that lead in a circle stay.
+/// The path of the file that would be written at `path`: where symbolic links lead, whether there
+/// is a file or not. Links that lead in a circle stay.
 std::string linkTarget(const std::string& path);
 
 }  // namespace scrim

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests whether floats are finite, many at a time. A pass over memory costs next to nothing compared with computing the
-// values.
+// Tests whether floats are finite, many at a time. A pass over memory costs next to nothing
+// compared with computing the values.
 #pragma once
 
 #include <bit>

@@ -7,8 +7,8 @@
 
 namespace scrim {
 
-/// The number that 16 bits stand for. Written so that compilers vectorise it, and without denormal floats, which count
-/// as 0 in parallel loops.
+/// The number that 16 bits stand for. Written so that compilers vectorise it, and without denormal
+/// floats, which count as 0 in parallel loops.
 inline float fromHalf(std::uint16_t half) {
     constexpr std::uint32_t kBias = (127 - 15) << 23, kInfinity = 0x7F800000;
     const std::uint32_t magnitude = half & 0x7FFFU;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the files that belong to this library: modules, volume sources and the program that reads volumes. It works in
-// the build tree as well as after installation, wherever that was moved.
+// Finds the files that belong to this library: modules, volume sources and the program that reads
+// volumes. It works in the build tree as well as after installation, wherever that was moved.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@ std::string libraryFolder();
 /// "scrim/NAME" in that folder.
 std::string besideLibrary(const std::string& name);
 
-/// The path of the module `file` in that folder. Throws Error(render) where it is not installed; `what` says in the
-/// message what the module does: "reads volumes".
+/// The path of the module `file` in that folder. Throws Error(render) where it is not installed;
+/// `what` says in the message what the module does: "reads volumes".
 std::string installedModule(const std::string& file, const std::string& what);
 
 /// The function `symbol` of that module, which is loaded and never unloaded. Throws Error(render).

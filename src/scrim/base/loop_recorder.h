@@ -6,8 +6,8 @@
 
 namespace scrim {
 
-/// While it lives, loops of its thread run their tasks one after the other, and threadCount() there is `threads`: what
-/// is done is what so many threads would share. One at a time in a process.
+/// While it lives, loops of its thread run their tasks one after the other, and threadCount() there
+/// is `threads`: what is done is what so many threads would share. One at a time in a process.
 ///
 /// Writes a line for each part, with processor time of the thread in nanoseconds: "S 1200", what is done between loops;
 /// "L 8", a loop of 8 tasks begins; "T 450", one of its tasks ends, or the part of the task after its last inner loop.

@@ -19,8 +19,8 @@ using ProgressSink = std::function<bool(double)>;
 /// Called often where no progress can be reported; throws where the caller of the library asked it to stop.
 using Checkpoint = std::function<void()>;
 
-/// A sink for a part of the work, from `from` to `to` of the whole, that passes its progress on to `progress`. Empty
-/// where `progress` is empty.
+/// A sink for a part of the work, from `from` to `to` of the whole, that passes its progress on to
+/// `progress`. Empty where `progress` is empty.
 inline ProgressSink partOf(const ProgressSink& progress, double from, double to) {
     if (!progress) return {};
     return [progress, from, to](double done) { return progress(from + (to - from) * done); };

@@ -25,8 +25,8 @@ class OpenFile {
     std::string m_problem;
 };
 
-/// All bytes of a file, or of a pipe or device, whose name the user gave. Throws Error(input) "`path`: cannot be read:
-/// Is a directory"; of another kind where the file is not to blame.
+/// All bytes of a file, or of a pipe or device, whose name the user gave. Throws Error(input)
+/// "`path`: cannot be read: Is a directory"; of another kind where the file is not to blame.
 std::string bytesOf(const std::string& path);
 
 }  // namespace scrim

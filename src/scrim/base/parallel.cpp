@@ -23,8 +23,8 @@
 namespace scrim {
 namespace {
 
-// While an object lives, denormal floats count as 0 on its thread. Light in deep shadow consists of them, and a
-// processor takes a hundred times as long for each.
+// While an object lives, denormal floats count as 0 on its thread. Light in deep shadow consists of
+// them, and a processor takes a hundred times as long for each.
 class FlushDenormals {
   public:
 #if defined(__SSE__)
@@ -79,8 +79,8 @@ void runTasks(std::size_t count, const std::function<void(std::size_t)>& task) {
         const FlushDenormals flush;
         return task(0);
     }
-    // A thread that waits for this loop within a task of another must not begin one more task of that: memory that
-    // belongs to the thread would then belong to two tasks at once.
+    // A thread that waits for this loop within a task of another must not begin one more task of
+    // that: memory that belongs to the thread would then belong to two tasks at once.
     tbb::this_task_arena::isolate([&] {
         tbb::parallel_for(
             tbb::blocked_range<std::size_t>(0, count, 1),

@@ -44,8 +44,8 @@ double parallelSum(std::size_t count, const Term& term) {
 /// The number of threads that `parallelFor` may use at this point.
 int threadCount();
 
-/// Limits the number of threads for the code that runs in it, and for nothing else in the process. `threads` 0 means as
-/// many as the caller has; there are never more than the machine has.
+/// Limits the number of threads for the code that runs in it, and for nothing else in the process.
+/// `threads` 0 means as many as the caller has; there are never more than the machine has.
 class TaskArena {
   public:
     explicit TaskArena(int threads);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one way to ask for the limits of this process, and to lower them. Only the plug-in for meshes has a way of its
-// own, since volume sources include nothing of Scrim but their interface.
+// The one way to ask for the limits of this process, and to lower them. Only the plug-in for meshes
+// has a way of its own, since volume sources include nothing of Scrim but their interface.
 #pragma once
 
 #include <algorithm>

@@ -9,8 +9,8 @@
 
 namespace scrim {
 
-/// The entry of the running sums, which are not empty, at which the fraction `part` of the total is reached, and the
-/// position within that entry in [0, 1].
+/// The entry of the running sums, which are not empty, at which the fraction `part` of the total is
+/// reached, and the position within that entry in [0, 1].
 inline std::pair<std::size_t, double> findInSums(std::span<const double> sums, double part) {
     const double wanted = part * sums.back();
     const auto above = std::upper_bound(sums.begin(), sums.end(), wanted);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vector instructions that the inner loops use: normally the best that the processor has. A farm whose machines
-// must agree to the bit sets the same for all. Every render passes the value down to its loops; there is no global
-// state, so renders side by side may use different ones.
+// The vector instructions that the inner loops use: normally the best that the processor has. A
+// farm whose machines must agree to the bit sets the same for all. Every render passes the value
+// down to its loops; there is no global state, so renders side by side may use different ones.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random numbers that are the same in every run (G. Steele, D. Lea and C. Flood, Fast Splittable Pseudorandom Number
-// Generators, 2014: SplitMix64).
+// Random numbers that are the same in every run (G. Steele, D. Lea and C. Flood, Fast Splittable
+// Pseudorandom Number Generators, 2014: SplitMix64).
 #pragma once
 
 #include <cstdint>

@@ -79,8 +79,8 @@ int aboveStandardStreams(int fd) noexcept {
 }
 
 void openStandardStreams() noexcept {
-    // The lowest free descriptor is always assigned, so each of the three gets its own. Stdout is opened for reading,
-    // so that writing to it fails as it does when closed.
+    // The lowest free descriptor is always assigned, so each of the three gets its own. Stdout is
+    // opened for reading, so that writing to it fails as it does when closed.
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
         if (::fcntl(fd, F_GETFD) < 0) (void)::open("/dev/null", fd == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }

@@ -90,8 +90,8 @@ ViewScene bakingScene(const ViewScene& given) {
     return scene;
 }
 
-// The path of light to a voxel: along the ray through the middle plane of the voxel's sheet, where buffers are looked
-// up.
+// The path of light to a voxel: along the ray through the middle plane of the voxel's sheet, where
+// buffers are looked up.
 struct Crossing {
     double u, v;    // where the ray crosses that plane
     double inside;  // sheets along N from the point where light enters the sheet to the voxel
@@ -172,8 +172,8 @@ class Baking {
     std::vector<BakedVolume>& m_out;
 };
 
-// Voxels are shaded as samples of a medium without absorption whose scattering makes radiance equal to the arriving
-// light. Therefore light, slide, cone and shadow are the same as in pictures.
+// Voxels are shaded as samples of a medium without absorption whose scattering makes radiance equal
+// to the arriving light. Therefore light, slide, cone and shadow are the same as in pictures.
 void Baking::shade(const SheetLight& light, const Sheets& sheets, const Octaves& octaves, const VoxelTile& tile,
                    std::vector<float>& sum) const {
     // So thin that light does not change along a sample.
@@ -289,8 +289,8 @@ void Baking::sweep(const GroupPlan& group, const ProgressSink& progress) {
     }
 }
 
-// Adds light that has scattered before to `out`: its mean radiance to what volumes that scatter more than once
-// scatter, as irradiance from all sides.
+// Adds light that has scattered before to `out`: its mean radiance to what volumes that scatter
+// more than once scatter, as irradiance from all sides.
 void addScattered(const ViewScene& given, bool indirect, const ProgressSink& progress, std::vector<BakedVolume>& out) {
     const ViewScene scene = withScatteredApart(given);
     const TransportPlan plan = planTransport(scene, indirect);

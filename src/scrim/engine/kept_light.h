@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light on cells that a render computes before its sweeps: light that has scattered, and that of extended lights.
-// Renders that differ in the camera alone, as those of a lens do, may share it.
+// The light on cells that a render computes before its sweeps: light that has scattered, and that
+// of extended lights. Renders that differ in the camera alone, as those of a lens do, may share it.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -20,8 +20,8 @@ struct KeptLight {
     double seconds = 0;            ///< likewise
 };
 
-/// The light on cells of `scene` that `plan` asks for. `progress` is asked between passes. Throws Error: memory,
-/// interrupted.
+/// The light on cells of `scene` that `plan` asks for. `progress` is asked between passes. Throws
+/// Error: memory, interrupted.
 KeptLight keepLight(const ViewScene& scene, const Plan& plan, const ProgressSink& progress = {});
 
 /// Adds what the light took to a frame that shows it.

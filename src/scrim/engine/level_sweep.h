@@ -23,8 +23,8 @@ struct SweptRays {
     DeepRays* deep;       ///< records the samples of every ray; may be null
 };
 
-/// Sweeps `group`, which has finer levels. `progress` is called with the part that is done. Returns the work, with the
-/// bytes of the buffers.
+/// Sweeps `group`, which has finer levels. `progress` is called with the part that is done. Returns
+/// the work, with the bytes of the buffers.
 RenderWork sweepLevels(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
                        const std::vector<CellLight>& cellLight, const SweptRays& rays,
                        const std::function<void(double)>& progress);

@@ -14,8 +14,8 @@ class SharedLight {
     /// `scene` and its `plan` must outlive this object. Its sheets must be no thinner than those of the others: light
     /// is looked up in the middle of sheets, as far beyond the volumes as these are thick.
     SharedLight(const ViewScene& scene, const Plan& plan) : m_scene(scene), m_plan(plan) {}
-    /// The light for `other`, computed when it is asked for first; null: it does not serve `other`. Throws as keepLight
-    /// does.
+    /// The light for `other`, computed when it is asked for first; null: it does not serve `other`.
+    /// Throws as keepLight does.
     const KeptLight* servedTo(const ViewScene& other, const Plan& otherPlan, const ProgressSink& progress = {}) {
         if (!lightServes(m_scene, m_plan, other, otherPlan)) return nullptr;
         if (!m_kept) TaskArena(m_plan.threads).run([&] { m_kept = keepLight(m_scene, m_plan, progress); });

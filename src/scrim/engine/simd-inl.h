@@ -42,8 +42,8 @@ HWY_ATTR HWY_INLINE void forSamples(const Body& body) {
     for (int k = 0; k < kTileSize; k += static_cast<int>(hn::Lanes(DF()))) body(k);
 }
 
-// A coordinate on an axis of `size` places from `first`, as index and fraction; clamped so that index and index + 1 lie
-// on the axis.
+// A coordinate on an axis of `size` places from `first`, as index and fraction; clamped so that
+// index and index + 1 lie on the axis.
 struct Split {
     VI whole;
     VF fraction;
@@ -68,8 +68,8 @@ HWY_ATTR HWY_INLINE hn::Vec<D> lerpOf(D, hn::Vec<D> a, hn::Vec<D> b, hn::Vec<D> 
     return hn::MulAdd(t, hn::Sub(b, a), a);
 }
 
-// Four floats: the channels of a texel or a pixel, in one vector, or in several where the instruction set has shorter
-// ones.
+// Four floats: the channels of a texel or a pixel, in one vector, or in several where the
+// instruction set has shorter ones.
 using D4 = hn::CappedTag<Real, 4>;
 constexpr std::size_t kParts4 = 4 / hn::MaxLanes(D4());
 struct V4 {
@@ -102,8 +102,8 @@ HWY_ATTR HWY_INLINE V4 lerp4(const V4& a, const V4& b, Real t) {
     return each4([&](std::size_t i)
                      HWY_ATTR { return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b.part[i], a.part[i]), a.part[i]); });
 }
-// The bilinear sample between four texels: `texel`, its neighbour `across` floats further, and the two that are `down`
-// floats further.
+// The bilinear sample between four texels: `texel`, its neighbour `across` floats further, and the
+// two that are `down` floats further.
 HWY_ATTR HWY_INLINE V4 bilinear4(const Real* texel, std::ptrdiff_t across, std::ptrdiff_t down, Real u, Real v) {
     const Real* below = texel + down;
     return lerp4(lerp4(load4(texel), load4(texel + across), u), lerp4(load4(below), load4(below + across), u), v);
@@ -125,8 +125,8 @@ HWY_ATTR HWY_INLINE V4 lastLane(const V4& v) {
 #endif
 }
 
-// 1 - e^-t for t >= 0, exact to rounding also for small t. Beyond 80 it is 1, since the library's exponential is only
-// accurate down to where floats become denormal.
+// 1 - e^-t for t >= 0, exact to rounding also for small t. Beyond 80 it is 1, since the library's
+// exponential is only accurate down to where floats become denormal.
 HWY_ATTR HWY_INLINE VF oneMinusExp(VF t) {
     return hn::Neg(hn::Expm1(DF(), hn::Neg(hn::Min(t, constant(80)))));
 }
@@ -177,9 +177,9 @@ HWY_ATTR HWY_INLINE V8 bilinear(V8 a0, V8 a1, V8 b0, V8 b1, V8 fx, V8 fy) {
     return hn::MulAdd(fx, hn::Sub(second, first), first);
 }
 
-// Henyey and Greenstein's phase function times `scale`. 1 + g^2 - 2 g cos is never less than (1 - |g|)^2, but in floats
-// it suffers from cancellation where a lobe is narrow, and a g close to 1 is rounded to 1. That would give 0 / 0 at the
-// lobe's peak, or the square root of a negative number.
+// Henyey and Greenstein's phase function times `scale`. 1 + g^2 - 2 g cos is never less than (1 -
+// |g|)^2, but in floats it suffers from cancellation where a lobe is narrow, and a g close to 1 is
+// rounded to 1. That would give 0 / 0 at the lobe's peak, or the square root of a negative number.
 struct Lobe {
     Real g, strength, least, alpha;
 

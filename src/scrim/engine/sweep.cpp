@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The algorithm on one page (ZC02 Fig. 5): sheets are swept batch by batch, away from the lights. Each stage runs in
-// parallel; the end of a stage is the only barrier.
+// The algorithm on one page (ZC02 Fig. 5): sheets are swept batch by batch, away from the lights.
+// Each stage runs in parallel; the end of a stage is the only barrier.
 #include <scrim/engine/sweep.h>
 
 #include <scrim/base/error.h>
@@ -61,9 +61,9 @@ ShadeWork shadeBatch(const SheetShader& shader, const EyeView& eye, const PixelT
     return sum;
 }
 
-// ZC02 Fig. 5, line 3: voxels that project to opaque pixels only need not be splatted for the eye. (They must be
-// splatted for lights, since hidden voxels still cast shadows.) Normals use a neighbourhood of a pixel, hence the
-// guard.
+// ZC02 Fig. 5, line 3: voxels that project to opaque pixels only need not be splatted for the eye.
+// (They must be splatted for lights, since hidden voxels still cast shadows.) Normals use a
+// neighbourhood of a pixel, hence the guard.
 TileCull occlusionMap(const PixelTiles& tiles, int guardTiles) {
     return [&tiles, guard = 2 * guardTiles](const Box2<int>& box) {
         return !tiles.anyOpen(Box2<int>{box.x0 - guard, box.y0 - guard, box.x1, box.y1});

@@ -27,8 +27,8 @@ struct Lens {
     double focus = 1;   ///< depth along the viewing axis at which things are sharp, world units
 };
 
-/// What a perspective camera sees from one place on its lens, (x, y) in radii to the right and up. Things at the depth
-/// of the focus keep their places in the picture.
+/// What a perspective camera sees from one place on its lens, (x, y) in radii to the right and up.
+/// Things at the depth of the focus keep their places in the picture.
 Camera throughLens(Camera camera, const Lens& lens, const Vec2& place);
 
 /// The diameter, in pixels, of the picture of a point at this depth along the viewing axis.
@@ -67,8 +67,8 @@ Vec3 travelToEye(const Camera& camera, const Vec3& ws);
 /// `camera` with every pixel divided into n x n.
 Camera supersampled(Camera camera, int n);
 
-/// The map from world to camera space as EXR's `worldToCamera` defines it: x right, y up, looking along -z (column
-/// vectors).
+/// The map from world to camera space as EXR's `worldToCamera` defines it: x right, y up, looking
+/// along -z (column vectors).
 Mat4 worldToCamera(const Camera& camera);
 
 /// The map from world space to normalised device coordinates, x and y in [-1, 1] over the picture (column vectors).

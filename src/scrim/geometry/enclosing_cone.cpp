@@ -45,8 +45,8 @@ constexpr std::size_t kMany = 32;
 
 }  // namespace
 
-// In a central projection onto a plane, great circles become straight lines, so A. M. Andrew's monotone chain finds the
-// hull there.
+// In a central projection onto a plane, great circles become straight lines, so A. M. Andrew's
+// monotone chain finds the hull there.
 std::vector<Vec3> cornersOf(const std::vector<Vec3>& directions) {
     Vec3 sum(0);
     for (const Vec3& d : directions) sum += d;
@@ -131,8 +131,8 @@ bool GrowingCone::holds(const std::vector<Vec3>& directions) const {
 
 Cone GrowingCone::with(const std::vector<Vec3>& more, double cosMost) const {
     if (holds(more)) return m_cone;
-    // The cone around a subset is no wider than that around all directions. The subset grows by the direction that its
-    // cone misses most, until none is missed or the cone is too wide to matter.
+    // The cone around a subset is no wider than that around all directions. The subset grows by the
+    // direction that its cone misses most, until none is missed or the cone is too wide to matter.
     std::vector<Vec3> part = m_rim;
     part.insert(part.end(), more.begin(), more.end());
     for (;;) {

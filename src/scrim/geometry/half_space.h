@@ -38,8 +38,8 @@ inline double depthIn(const std::vector<HalfSpace>& spaces, const Vec3& p) {
     return depth;
 }
 
-/// The fraction of a cell that lies in the intersection of `spaces`. `edges`: the cell's edges as columns. It is exact
-/// for one face that is parallel to a face of the cell.
+/// The fraction of a cell that lies in the intersection of `spaces`. `edges`: the cell's edges as
+/// columns. It is exact for one face that is parallel to a face of the cell.
 inline double partIn(const std::vector<HalfSpace>& spaces, const Vec3& centre, const Mat3& edges) {
     double part = 1;
     for (const HalfSpace& space : spaces) {
@@ -49,8 +49,8 @@ inline double partIn(const std::vector<HalfSpace>& spaces, const Vec3& centre, c
     return part;
 }
 
-/// What points at a depth below `reach` of each face add to a gradient, so that a cut shows a surface: the inward
-/// normal times a factor that falls from 1 on the face to 0.
+/// What points at a depth below `reach` of each face add to a gradient, so that a cut shows a
+/// surface: the inward normal times a factor that falls from 1 on the face to 0.
 inline Vec3 facing(const std::vector<HalfSpace>& spaces, const Vec3& p, double reach) {
     Vec3 sum(0);
     for (const HalfSpace& space : spaces) sum += std::clamp(1 - space.depth(p) / reach, 0.0, 1.0) * space.normal;

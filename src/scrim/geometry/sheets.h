@@ -38,16 +38,16 @@ struct Sheets {
     Vec3 tsPoint(const Vec3& ws) const { return (ssFromWs * (ws - wsAnchor) - ssOrigin) * tsStep(); }
     Vec3 tsVector(const Vec3& ws) const { return ssFromWs * ws * tsStep(); }
     Vec3 wsPoint(const Vec3& ts) const;
-    /// The affine map to texel space from a space that `wsFrom` maps to the world; composed in double before any
-    /// rounding.
+    /// The affine map to texel space from a space that `wsFrom` maps to the world; composed in
+    /// double before any rounding.
     Mat4 tsFrom(const Mat4& wsFrom) const;
 
     int tilesX() const { return width / kTileEdge; }
     int tilesY() const { return height / kTileEdge; }
 };
 
-/// The rotation whose third row is `axis` (unit) and whose second row is as near to `up` as possible, negated where
-/// needed so that the rows (u, v, axis) are right-handed.
+/// The rotation whose third row is `axis` (unit) and whose second row is as near to `up` as
+/// possible, negated where needed so that the rows (u, v, axis) are right-handed.
 Mat3 sweepRotation(const Vec3& axis, const Vec3& up);
 
 }  // namespace scrim

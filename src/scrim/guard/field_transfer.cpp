@@ -39,8 +39,8 @@ struct Part {
     bool good = true;  ///< all values are finite and not negative
 
     void add(const float* block) {
-        // Written so that compilers vectorise it: the bits of floats that are neither negative nor NaN have their
-        // order.
+        // Written so that compilers vectorise it: the bits of floats that are neither negative nor
+        // NaN have their order.
         constexpr auto kLargest = std::bit_cast<std::int32_t>(std::numeric_limits<float>::max());
         std::int32_t positive = 0, largest = 0, least = 0;
         for (int i = 0; i < kBlockVoxels; ++i) {
@@ -55,8 +55,8 @@ struct Part {
     }
 };
 
-/// Checks in blocks from another process what `buildField` promises about values: counts them, and returns whether all
-/// are finite and not negative.
+/// Checks in blocks from another process what `buildField` promises about values: counts them, and
+/// returns whether all are finite and not negative.
 bool countBlocks(SparseField& field) {
     constexpr std::size_t kBlocksPerTask = 256;
     std::vector<Part> parts((field.blockCount() + kBlocksPerTask - 1) / kBlocksPerTask);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hands the data that one process has read to another, so that an untrusted .vdb is parsed in a child that may crash,
-// and parsed only once.
+// Hands the data that one process has read to another, so that an untrusted .vdb is parsed in a
+// child that may crash, and parsed only once.
 //
-// The two share a file descriptor: a memfd, or any regular file (transfer_file.h). The receiver maps the file, and the
-// blocks of its fields point into the mapping. It trusts nothing in it: the file that the sender read may have made it
-// overwrite its own memory.
+// The two share a file descriptor: a memfd, or any regular file (transfer_file.h). The receiver
+// maps the file, and the blocks of its fields point into the mapping. It trusts nothing in it: the
+// file that the sender read may have made it overwrite its own memory.
 //
-// A child that is forked without exec must be forked by a process without threads, because threads do not survive a
-// fork and loops in the child would wait for them forever.
+// A child that is forked without exec must be forked by a process without threads, because threads
+// do not survive a fork and loops in the child would wait for them forever.
 #pragma once
 
 #include <scrim/base/error.h>

@@ -39,8 +39,8 @@
 namespace scrim {
 namespace {
 
-/// Bytes of memory allowed per byte of a file. OpenVDB's trees take some 35 times their smallest compressed size, and
-/// the field made from them comes on top.
+/// Bytes of memory allowed per byte of a file. OpenVDB's trees take some 35 times their smallest
+/// compressed size, and the field made from them comes on top.
 constexpr std::size_t kMemoryPerByte = 64;
 constexpr std::uint64_t kSlowestBytesPerSecond = 1 << 20;  // the speed of a busy network drive
 
@@ -50,11 +50,11 @@ struct Kind {
     std::chrono::minutes patience{0};
 };
 constexpr Kind kVolume{std::size_t{4} << 30, std::chrono::minutes{10}};
-/// Pictures have at most 50 million pixels (kMostTexturePixels), which half a million pixels per second get through in
-/// time.
+/// Pictures have at most 50 million pixels (kMostTexturePixels), which half a million pixels per
+/// second get through in time.
 constexpr Kind kPicture{std::size_t{4} << 30, std::chrono::minutes{2}};
-/// A source may make more than its file suggests: a mesh becomes as much fog as requested, and scans are compressed.
-/// Scrim's own sources refuse larger results by themselves.
+/// A source may make more than its file suggests: a mesh becomes as much fog as requested, and
+/// scans are compressed. Scrim's own sources refuse larger results by themselves.
 constexpr Kind kSource{std::size_t{16} << 30, std::chrono::minutes{10}};
 
 /// Expressions make grids, and refining multiplies voxels.
@@ -77,8 +77,8 @@ bool beginsAsDicom(std::string_view bytes) {
 }
 constexpr std::size_t kDicomStart = 132;  // bytes that beginsAsDicom() needs
 
-/// The folder whose files a source may want all of: that of a DICOM file, which is one slice of many. None for other
-/// files, whatever their names: the folder would be copied in vain.
+/// The folder whose files a source may want all of: that of a DICOM file, which is one slice of
+/// many. None for other files, whatever their names: the folder would be copied in vain.
 std::optional<std::string> folderOf(const std::string& path, const OpenFile& file) {
     const std::string name = lowerCase(path);
     if (!name.ends_with(".dcm") && !name.ends_with(".dicom")) return {};
@@ -102,8 +102,8 @@ bool isPattern(const std::string& path) {
            !std::filesystem::exists(path, ignored);
 }
 
-/// A file that holds the slices of a folder, as scrim_source.h describes it, because a child cannot open the folder.
-/// Only their names and first bytes are looked at here.
+/// A file that holds the slices of a folder, as scrim_source.h describes it, because a child cannot
+/// open the folder. Only their names and first bytes are looked at here.
 class FolderFile {
   public:
     /// The DICOM files of a folder, or its TIFF files where it has none; of the TIFF files only those whose names
@@ -182,8 +182,8 @@ std::optional<LoadEdit> loadEdit(const GridEdit* edit) {
     return edit == nullptr ? std::nullopt : std::optional(loadEdit(*edit));
 }
 
-/// Starts a child for a task with a volume file, and with the others that its edit names. They are opened here,
-/// because children cannot open files.
+/// Starts a child for a task with a volume file, and with the others that its edit names. They are
+/// opened here, because children cannot open files.
 LoadJob begin(const std::string& path, LoadTask task, const LoadOptions& options, int transfer) {
     const LoadRequest request{path, std::move(task)};
     const LoadEdit* const first = editOf(request.task);
@@ -235,8 +235,8 @@ auto withLoader(const Checkpoint& checkpoint, const Load& load) {
     }
 }
 
-/// Starts a child of this kind that reads a file as `request` says, and receives the result, or what the file's problem
-/// is.
+/// Starts a child of this kind that reads a file as `request` says, and receives the result, or
+/// what the file's problem is.
 template <typename Result>
 Result fileJob(LoadedFiles files, const Kind& kind, const LoadRequest& request, Result (*receive)(int),
                const LoadOptions& options, const Checkpoint& checkpoint) {

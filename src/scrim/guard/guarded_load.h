@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: reads .vdb files and pictures, and runs volume sources that read files, in a child process under limits.
-// Readers can crash on damaged files; then only the child dies, and this process reports it. The child belongs to the
-// program `scrim-load` (load_job.h); the result comes back through shared memory (field_transfer.h,
-// picture_transfer.h).
+// Internal: reads .vdb files and pictures, and runs volume sources that read files, in a child
+// process under limits. Readers can crash on damaged files; then only the child dies, and this
+// process reports it. The child belongs to the program `scrim-load` (load_job.h); the result comes
+// back through shared memory (field_transfer.h, picture_transfer.h).
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -24,17 +24,17 @@
 
 namespace scrim {
 
-/// Fields that a child reads while this process does something else. If this object is destroyed before they are taken,
-/// the child ends, too.
+/// Fields that a child reads while this process does something else. If this object is destroyed
+/// before they are taken, the child ends, too.
 class GuardedFields {
   public:
-    /// Starts a child that reads, and edits if `edit` is not null. Throws Error where the file cannot be opened or no
-    /// child can be started.
+    /// Starts a child that reads, and edits if `edit` is not null. Throws Error where the file
+    /// cannot be opened or no child can be started.
     GuardedFields(const std::string& path, const std::vector<GridRequest>& requests, const LoadOptions& options,
                   const GridEdit* edit = nullptr);
 
-    /// Waits for the child and returns its fields. May be called once. Throws as `loadFields` (load_fields.h); calls
-    /// `checkpoint` every few milliseconds.
+    /// Waits for the child and returns its fields. May be called once. Throws as `loadFields`
+    /// (load_fields.h); calls `checkpoint` every few milliseconds.
     std::vector<SparseField> take(const MessageSink& messages, const Checkpoint& checkpoint);
 
     /// Bytes that the child may take.
@@ -98,9 +98,9 @@ std::vector<SparseField> guardedEdit(const std::vector<SparseField>& grids, cons
                                      const LoadOptions& options, const MessageSink& messages,
                                      const Checkpoint& checkpoint);
 
-/// The fields that the source in the shared object `source` makes of these parameters, one of which is `path`. The
-/// source can open that file and one other file beside it that it asks for, and no others. Throws Error as
-/// `sourceFields` (load_fields.h).
+/// The fields that the source in the shared object `source` makes of these parameters, one of which
+/// is `path`. The source can open that file and one other file beside it that it asks for, and no
+/// others. Throws Error as `sourceFields` (load_fields.h).
 std::vector<SparseField> guardedSource(const std::string& source, const SourceParameters& parameters,
                                        const std::string& path, const LoadOptions& options, const MessageSink& messages,
                                        const Checkpoint& checkpoint);

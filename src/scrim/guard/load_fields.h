@@ -34,19 +34,19 @@ std::vector<SparseField> editedFields(const std::vector<SparseField>& grids, con
 /// The path that a source gets as its parameter `file`; "" without one.
 std::string fileIn(const SourceParameters& parameters);
 
-/// The fields that the named source makes, as `generate` (source.h). A guarded load runs a source with a parameter
-/// `file` in a child (scrim_source.h); a source that reads no file runs in this process. Throws as `generate`, and
-/// Error as `loadFields`.
+/// The fields that the named source makes, as `generate` (source.h). A guarded load runs a source
+/// with a parameter `file` in a child (scrim_source.h); a source that reads no file runs in this
+/// process. Throws as `generate`, and Error as `loadFields`.
 std::vector<SparseField> sourceFields(const std::string& source, const SourceParameters& parameters,
                                       const LoadOptions& options, const MessageSink& messages,
                                       const Checkpoint& checkpoint = {});
 
-/// Reads a picture file, in a child if the load is guarded. A defect of the file is reported in its `problem`. Throws
-/// Error(input) where the file does not exist, else as `loadFields`.
+/// Reads a picture file, in a child if the load is guarded. A defect of the file is reported in its
+/// `problem`. Throws Error(input) where the file does not exist, else as `loadFields`.
 FilePicture readPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint = {});
 
-/// Reads the depths of a channel of a picture file; "" stands for the only channel that can hold them. Otherwise as
-/// readPicture.
+/// Reads the depths of a channel of a picture file; "" stands for the only channel that can hold
+/// them. Otherwise as readPicture.
 FileDepth readDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
                     const Checkpoint& checkpoint = {});
 

@@ -71,8 +71,8 @@ ChildProcess startLoader(const ServerKey& key, const Descriptor& socket) {
     constexpr int kNothing = ProgramStart::kNothing;
     ProgramStart start{argumentsFor(files), program, {{0, kNothing}, {1, kNothing}, {2, kNothing}}};
     start.descriptors.emplace_back(kLoadSocket, socket.fd());
-    // Trees consist of many small pieces of memory, and mapping it page by page takes a fifth of the time of reading
-    // them.
+    // Trees consist of many small pieces of memory, and mapping it page by page takes a fifth of
+    // the time of reading them.
     if (std::getenv("GLIBC_TUNABLES") == nullptr) start.variables = {"GLIBC_TUNABLES=glibc.malloc.hugetlb=1"};
     try {
         return ChildProcess(start, 0);
@@ -158,8 +158,8 @@ ServerKey keyOf(const std::string& loader, LoadedFiles files) {
     return {loader.empty() ? ownLoader() : loader, files};
 }
 
-/// The programs are shared by the whole process, so that each is started once. The object is never destroyed: the end
-/// of the process closes the sockets.
+/// The programs are shared by the whole process, so that each is started once. The object is never
+/// destroyed: the end of the process closes the sockets.
 Servers& servers() {
     static Servers* const all = new Servers;
     return *all;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: one file that a child of the program `scrim-load` reads. The first job that needs the program starts it; it
-// serves all jobs of this process and ends with it. There is one program for volumes (including files of volume
-// sources) and one for pictures.
+// Internal: one file that a child of the program `scrim-load` reads. The first job that needs the
+// program starts it; it serves all jobs of this process and ends with it. There is one program for
+// volumes (including files of volume sources) and one for pictures.
 #pragma once
 
 #include <scrim/base/descriptor.h>
@@ -23,8 +23,8 @@ std::string ownLoader();
 /// The kind of files that a loader program reads. It prepares itself for them before the first one comes.
 enum class LoadedFiles { volumes, pictures };
 
-/// Starts the program at `loader` ("": `ownLoader`) for such files unless it runs already, so that it is ready for the
-/// first job. A failure is not reported here; the job will report it.
+/// Starts the program at `loader` ("": `ownLoader`) for such files unless it runs already, so that
+/// it is ready for the first job. A failure is not reported here; the job will report it.
 void warmLoader(const std::string& loader, LoadedFiles files = LoadedFiles::volumes) noexcept;
 
 struct LoadLimits {
@@ -57,8 +57,8 @@ class LoadJob {
         int beside = -1;                   ///< a second file that belongs to the input; -1: none
         std::span<const int> others = {};  ///< of a volume; at most kMostDescriptors - kMore (load_protocol.h)
     };
-    /// Starts a child of `loader` that reads a file of the kind `files`, which messages call `path`. Throws
-    /// Error(render, memory) where the program cannot be started.
+    /// Starts a child of `loader` that reads a file of the kind `files`, which messages call
+    /// `path`. Throws Error(render, memory) where the program cannot be started.
     LoadJob(const std::string& loader, LoadedFiles files, const std::string& path, const Descriptors& descriptors,
             const LoadLimits& limits, bool showStderr);
 

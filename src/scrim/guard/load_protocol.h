@@ -46,8 +46,8 @@ constexpr int kNotConfined = 3;
 constexpr int kNoMemoryToConfine = 5;
 /// Exit status of a child that has fewer descriptors than it needs.
 constexpr int kNoDescriptors = 4;
-/// Exit status of a child that needs OpenVDB where the program has not loaded it. The program then does so, and starts
-/// another child in its place.
+/// Exit status of a child that needs OpenVDB where the program has not loaded it. The program then
+/// does so, and starts another child in its place.
 constexpr int kNeedsOpenVdb = 6;
 
 }  // namespace scrim

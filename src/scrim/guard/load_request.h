@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: what a child is asked to do. Each task has what its kind needs and nothing else. The files are passed as
-// descriptors, and their paths are for messages.
+// Internal: what a child is asked to do. Each task has what its kind needs and nothing else. The
+// files are passed as descriptors, and their paths are for messages.
 #pragma once
 
 #include <scrim/volume/grid_edit.h>
@@ -82,8 +82,8 @@ struct PhotometryTask {
     bool operator==(const PhotometryTask&) const = default;
 };
 
-/// A picture, its header alone, or the depths of a channel. Answered by sendPicture, sendPictureHeader and
-/// sendPictureDepth.
+/// A picture, its header alone, or the depths of a channel. Answered by sendPicture,
+/// sendPictureHeader and sendPictureDepth.
 struct PictureTask {
     auto members() { return std::tie(); }
     bool operator==(const PictureTask&) const = default;
@@ -110,8 +110,8 @@ struct LoadRequest {
 /// What a task does to grids first; null: nothing.
 const LoadEdit* editOf(const LoadTask& task);
 
-/// Writes the request as the whole contents of a transfer (transfer_file.h); `fd` stays open. Throws Error(memory)
-/// where there is no space, Error(render) where writing fails otherwise.
+/// Writes the request as the whole contents of a transfer (transfer_file.h); `fd` stays open.
+/// Throws Error(memory) where there is no space, Error(render) where writing fails otherwise.
 void sendRequest(int fd, const LoadRequest& request);
 /// Returns what was sent. Throws Error(input) "what was read is incomplete: ..." where that is no request.
 LoadRequest receiveRequest(int fd);

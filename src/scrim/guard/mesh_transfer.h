@@ -8,8 +8,8 @@ namespace scrim {
 
 /// Throws as TransferWriter.
 void sendMesh(int fd, const FileMesh& mesh);
-/// The mesh, or an empty one whose `problem` says why. Every triangle refers to existing points, and all points are
-/// finite. Throws as `receiveFields` (field_transfer.h).
+/// The mesh, or an empty one whose `problem` says why. Every triangle refers to existing points,
+/// and all points are finite. Throws as `receiveFields` (field_transfer.h).
 FileMesh receiveMesh(int fd);
 
 }  // namespace scrim

@@ -69,8 +69,8 @@ bool isOf(const TransferHeader& header, TransferKind kind) {
     // No other kind of error can be blamed on the user who reads a file.
     const ErrorKind kind = isKind(ErrorKind::memory)   ? ErrorKind::memory
                            : isKind(ErrorKind::render) ? ErrorKind::render
-                           // A child always has a limit on file sizes; this process's own limit decides what the error
-                           // means.
+                           // A child always has a limit on file sizes; this process's own limit
+                           // decides what the error means.
                            : isKind(ErrorKind::output) ? (limitsFileSizes() ? ErrorKind::output : ErrorKind::memory)
                                                        : ErrorKind::input;
     const std::string problem = shortened(reader.text(), 2000);
@@ -187,8 +187,8 @@ bool writeAll(int fd, const void* data, std::uint64_t size, std::uint64_t at) {
 TransferMapping::TransferMapping(int fd, Sender sender) {
     struct stat status {};
     if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) incompleteTransfer("it is not a regular file");
-    // If the sender shrank the file later, reading the mapping would crash. Only a memfd can be sealed against that;
-    // with other files the caller must make sure that the sender is gone.
+    // If the sender shrank the file later, reading the mapping would crash. Only a memfd can be
+    // sealed against that; with other files the caller must make sure that the sender is gone.
     if (sender == Sender::gone) (void)::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE);
     if (::fstat(fd, &status) != 0) incompleteTransfer(std::strerror(errno));
     m_size = std::size_t(status.st_size);

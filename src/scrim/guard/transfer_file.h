@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: the file through which one process hands what it read to another (field_transfer.h, picture_transfer.h).
-// The sender writes the contents first and the header last, so that a sender that dies half-way leaves no valid header.
-// The receiver trusts nothing. Large values lie before the contents, which say where, so that they can be made in
-// place.
+// Internal: the file through which one process hands what it read to another (field_transfer.h,
+// picture_transfer.h). The sender writes the contents first and the header last, so that a sender
+// that dies half-way leaves no valid header. The receiver trusts nothing. Large values lie before
+// the contents, which say where, so that they can be made in place.
 #pragma once
 
 #include <scrim/base/error.h>
@@ -35,9 +35,9 @@ enum class TransferKind : std::uint32_t {
     besideError = 12,
 };
 
-/// The start of the file; the contents that `kind` stands for begin at byte `contents` and reach to the end. An error
-/// consists of its text; a GridError adds the text of its request, a BesideError a file name. Numbers have this
-/// machine's byte order, because both ends run on it.
+/// The start of the file; the contents that `kind` stands for begin at byte `contents` and reach to
+/// the end. An error consists of its text; a GridError adds the text of its request, a BesideError
+/// a file name. Numbers have this machine's byte order, because both ends run on it.
 struct TransferHeader {
     std::uint64_t magic = 0;
     std::uint64_t bytes = 0;  ///< size of the whole file
@@ -69,8 +69,8 @@ int createTransfer();
 /// Writes all bytes at position `at` of a file. False: it failed, as errno tells.
 bool writeAll(int fd, const void* data, std::uint64_t size, std::uint64_t at);
 
-/// Memory for blocks that lies in the transfer, before its contents. A field whose values are there is handed over
-/// without a copy (sendFields).
+/// Memory for blocks that lies in the transfer, before its contents. A field whose values are there
+/// is handed over without a copy (sendFields).
 class TransferBlocks : public BlockMemory {
   public:
     /// Invalidates the former contents of the file, a memfd, which must stay open as long as this object lives.
@@ -99,8 +99,8 @@ class TransferBlocks : public BlockMemory {
     std::vector<Part> m_parts;
 };
 
-/// Throws Error(memory) where there is no space, Error(output) where the limit on file sizes is reached, Error(render)
-/// where writing fails otherwise.
+/// Throws Error(memory) where there is no space, Error(output) where the limit on file sizes is
+/// reached, Error(render) where writing fails otherwise.
 class TransferWriter {
   public:
     /// Invalidates the former contents of the file.

@@ -43,13 +43,13 @@ OCIO::TransformRcPtr srgbDecode() {
     return curve;
 }
 
-/// Takes CIE XYZ of a display towards grey where it is outside of Rec.709, by the curve of ACES 1.3's Reference Gamut
-/// Compression. Clipped, all fire below 1900 K that is not bright is pure red. The compression that OpenColorIO has
-/// built in is that into AP1, in which all of the working space is: 1000 K at 0.18 stays 188, 0, 11 in sRGB. Here, 189,
-/// 0, 0 becomes 189, 36, 24.
+/// Takes CIE XYZ of a display towards grey where it is outside of Rec.709, by the curve of ACES
+/// 1.3's Reference Gamut Compression. Clipped, all fire below 1900 K that is not bright is pure
+/// red. The compression that OpenColorIO has built in is that into AP1, in which all of the working
+/// space is: 1000 K at 0.18 stays 188, 0, 11 in sRGB. Here, 189, 0, 0 becomes 189, 36, 24.
 ///
-/// It follows the tone curve, which takes what is in AP1 to what is in AP1. Before the curve, it would make bright fire
-/// white: the curve keeps a yellow only of what is saturated.
+/// It follows the tone curve, which takes what is in AP1 to what is in AP1. Before the curve, it
+/// would make bright fire white: the curve keeps a yellow only of what is saturated.
 OCIO::TransformRcPtr compressToRec709() {
     // Distances from grey along cyan, magenta and yellow that become 1; distances from which on they change; the power
     // of the curve. Published for AP1 are 1.147, 1.264, 1.312; 0.815, 0.803, 0.880; 1.2. But in Rec.709, the farthest

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scrim's own OpenColorIO config for users who have none: the few ACES spaces that a renderer needs, built in memory
-// from OpenColorIO's built-in transforms, so that no look-up file has to be installed or found. Making the config is
-// separate from using any config (colour.h).
+// Scrim's own OpenColorIO config for users who have none: the few ACES spaces that a renderer
+// needs, built in memory from OpenColorIO's built-in transforms, so that no look-up file has to be
+// installed or found. Making the config is separate from using any config (colour.h).
 #pragma once
 
 #include <string>

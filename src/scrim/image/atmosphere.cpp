@@ -22,12 +22,12 @@ constexpr double kDustScattering = 0.02, kDustExtinction = kDustScattering / 0.9
 // Cross-sections of ozone, 1e-26 m^2, means over 20 nm around each wavelength.
 constexpr Spectrum kOzone{0.025, 0.110, 0.414, 1.21, 2.99, 6.34, 11.9, 18.7, 29.2, 38.8, 45.4,
                           48.6,  40.2,  29.4,  20.5, 13.4, 8.44, 5.84, 4.19, 2.84, 2.67};
-// Per km and 1e-26 m^2, of 300 Dobson units (2.687e20 molecules per m^2 each) in a layer as high as 15 km of its
-// middle.
+// Per km and 1e-26 m^2, of 300 Dobson units (2.687e20 molecules per m^2 each) in a layer as high as
+// 15 km of its middle.
 constexpr double kOzoneMost = 300 * 2.687e20 / 15e3 * 1e-26 * 1e3;
 
-// Of tables: heights that are dense at the sea, and suns that are dense at the horizon. Suns below the last one give no
-// light.
+// Of tables: heights that are dense at the sea, and suns that are dense at the horizon. Suns below
+// the last one give no light.
 constexpr int kHeights = 10, kSuns = 30;
 constexpr double kHighest = 80, kLowestSun = -0.5;  // km; the root of the cosine, with its sign
 

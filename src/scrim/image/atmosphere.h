@@ -25,8 +25,8 @@ struct AirColumn {
     double air = 0, dust = 0, ozone = 0;
 };
 
-/// A straight way through the atmosphere. A place on it is `s`, its distance behind the point that is nearest to the
-/// Earth's centre.
+/// A straight way through the atmosphere. A place on it is `s`, its distance behind the point that
+/// is nearest to the Earth's centre.
 class AirWay {
   public:
     /// From a height above the sea, 0 or more, at an angle of this cosine to the vertical.
@@ -93,8 +93,8 @@ class Atmosphere {
         Spectrum m_fromEnd, m_scattered{};
     };
 
-    /// The irradiance of level ground at the sea, by the sun and the sky, per unit of the sun's. `cosine`: of the angle
-    /// between the sun and the vertical.
+    /// The irradiance of level ground at the sea, by the sun and the sky, per unit of the sun's.
+    /// `cosine`: of the angle between the sun and the vertical.
     Spectrum onGround(double cosine) const;
 
   private:
@@ -119,8 +119,8 @@ class Atmosphere {
     Table m_onGround;  // of the height 0 alone
 };
 
-/// The phase functions of air (Rayleigh) and dust (Cornette and Shanks, 1992, with g = 0.76), for the cosine between
-/// sunlight and the way to the eye. Their integrals over the sphere are 1.
+/// The phase functions of air (Rayleigh) and dust (Cornette and Shanks, 1992, with g = 0.76), for
+/// the cosine between sunlight and the way to the eye. Their integrals over the sphere are 1.
 double airPhase(double cosine);
 double dustPhase(double cosine);
 

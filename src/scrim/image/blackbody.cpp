@@ -55,8 +55,8 @@ std::vector<std::pair<double, Rgb>> Blackbody::ramp(double scale, double offset,
     const auto add = [&](double kelvin) {
         points.emplace_back((kelvin - offset) / scale, colour(kelvin) * std::pow(blackbodyRadiance(kelvin), physical));
     };
-    // The ramp rises from black to the first colour within one Kelvin: above 0 Kelvin, or lower where grid value 0 lies
-    // at 0 to 1 Kelvin, since that value must have its colour.
+    // The ramp rises from black to the first colour within one Kelvin: above 0 Kelvin, or lower
+    // where grid value 0 lies at 0 to 1 Kelvin, since that value must have its colour.
     const double dark = offset < 0 ? 0 : std::min(0.0, offset - 1);
     points.emplace_back((dark - offset) / scale, Rgb(0));
     add(dark + 1);

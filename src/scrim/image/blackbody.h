@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The colour of blackbodies in the working space: Planck's law as seen by the CIE 1931 2-degree observer. It is used
-// for fire.
+// The colour of blackbodies in the working space: Planck's law as seen by the CIE 1931 2-degree
+// observer. It is used for fire.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -17,15 +17,15 @@ inline constexpr double kCoolestColour = 800, kHottestColour = 40000;  // Kelvin
 /// CIE XYZ of a blackbody at `kelvin`, normalised to Y = 1.
 Vec3 blackbodyXyz(double kelvin);
 
-/// The total radiance of a blackbody, in MW / (m^2 sr): sigma T^4 / pi (Stefan-Boltzmann); 0 for temperatures that are
-/// not above 0.
+/// The total radiance of a blackbody, in MW / (m^2 sr): sigma T^4 / pi (Stefan-Boltzmann); 0 for
+/// temperatures that are not above 0.
 double blackbodyRadiance(double kelvin);
 
 /// Colours of blackbodies in a config's working space.
 class Blackbody {
   public:
-    /// Throws Error(input) where the config has neither linear Rec.709 nor ACES2065-1, from which the conversion is
-    /// known.
+    /// Throws Error(input) where the config has neither linear Rec.709 nor ACES2065-1, from which
+    /// the conversion is known.
     explicit Blackbody(const ColourConfig& config);
 
     /// The colour at `kelvin`, with luminance 1: CIE Y before adaptation to the white of the working space. Where the

@@ -90,8 +90,8 @@ double ditherAt(int x, int y) {
     return v - std::floor(v);
 }
 
-/// Rounds up in a fraction of neighbouring pixels that makes their mean right. A value within 1/512 of a byte is not
-/// dithered.
+/// Rounds up in a fraction of neighbouring pixels that makes their mean right. A value within 1/512
+/// of a byte is not dithered.
 std::uint8_t toDitheredByte(float value, double dither) {
     constexpr double kKept = 1.0 / 512;
     if (!(value > 0.0f)) return 0;  // also NaN

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour management: which spaces and views exist, and conversion of colours and pictures between them. OpenColorIO
-// stays behind this header, so that the rest of Scrim uses names and numbers only. There is one class, because the one
-// opened config answers every question.
+// Colour management: which spaces and views exist, and conversion of colours and pictures between
+// them. OpenColorIO stays behind this header, so that the rest of Scrim uses names and numbers
+// only. There is one class, because the one opened config answers every question.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -21,14 +21,14 @@ struct DisplayImage {
     std::vector<std::uint8_t> rgba;
 };
 
-/// An opened OpenColorIO config. It is cheap to copy, and its const members may be called from any number of threads.
-/// Names of spaces, displays and views are matched without regard to letter case. All errors are Errors of kind
-/// `input`, also for a missing look-up file.
+/// An opened OpenColorIO config. It is cheap to copy, and its const members may be called from any
+/// number of threads. Names of spaces, displays and views are matched without regard to letter
+/// case. All errors are Errors of kind `input`, also for a missing look-up file.
 class ColourConfig {
   public:
-    /// Opens the config in `ocioFile` (from --ocio); if that is empty, the one that $OCIO names; if that is unset or
-    /// empty, Scrim's own ACES config. Throws where a config cannot be read or has no scene_linear role: Scrim never
-    /// falls back to raw values.
+    /// Opens the config in `ocioFile` (from --ocio); if that is empty, the one that $OCIO names; if
+    /// that is unset or empty, Scrim's own ACES config. Throws where a config cannot be read or has
+    /// no scene_linear role: Scrim never falls back to raw values.
     static ColourConfig open(const std::string& ocioFile);
 
     /// The origin of the config: its path, or "scrim-aces".
@@ -53,9 +53,9 @@ class ColourConfig {
     /// The same conversion for all colours as a matrix. Throws where `space` is not linear.
     Mat3 workingFrom(const std::string& space) const;
 
-    /// Converts the colour of `image` in place and in parallel. Alpha stays unchanged, and colours stay premultiplied:
-    /// a linear conversion commutes with that, and one to or from an encoded space is applied to the premultiplied
-    /// values, that is, to the picture over black.
+    /// Converts the colour of `image` in place and in parallel. Alpha stays unchanged, and colours
+    /// stay premultiplied: a linear conversion commutes with that, and one to or from an encoded
+    /// space is applied to the premultiplied values, that is, to the picture over black.
     void convert(Image& image, const std::string& fromSpace, const std::string& toSpace) const;
 
     /// Shows `working` (premultiplied, in the working space) through a view of a display. The transform is applied to
@@ -81,8 +81,8 @@ class ColourConfig {
     /// in the config; "data" for data; empty where it is not known. Throws for an unknown space.
     std::string interopId(const std::string& space) const;
 
-    /// True if twice the value stands for twice the light: for scene-linear spaces and for data, not for what is
-    /// encoded for displays or as logarithms. Throws for an unknown space.
+    /// True if twice the value stands for twice the light: for scene-linear spaces and for data,
+    /// not for what is encoded for displays or as logarithms. Throws for an unknown space.
     bool isLinear(const std::string& space) const;
 
     /// True if `space` is ACES2065-1, the only space that an ACES container may hold.

@@ -15,9 +15,9 @@ Shown asDouble(const std::array<float, 4>& shown) {
     return {shown[0], shown[1], shown[2], shown[3]};
 }
 
-// Distributes a piece's contribution over its length: of its opacity a, the first fraction x of the length contributes
-// (1 - (1 - a)^x) / a, and the same fraction of its colour. An opaque piece would be opaque from its beginning; it is
-// treated as one of slightly less.
+// Distributes a piece's contribution over its length: of its opacity a, the first fraction x of the
+// length contributes (1 - (1 - a)^x) / a, and the same fraction of its colour. An opaque piece
+// would be opaque from its beginning; it is treated as one of slightly less.
 class Between {
   public:
     Between(const Shown& before, const Shown& after) : m_before(before), m_after(after) {
@@ -69,8 +69,8 @@ bool near(const Shown& a, const Shown& b, const Tolerances& tolerances) {
     return std::abs(a[3] - b[3]) <= tolerances.alpha;
 }
 
-// True if one piece can replace the pieces [first, last] within the tolerances. This is tested wherever one of them
-// begins or ends, starting in the middle, where it most likely fails.
+// True if one piece can replace the pieces [first, last] within the tolerances. This is tested
+// wherever one of them begins or ends, starting in the middle, where it most likely fails.
 bool standsFor(const DeepCurve& curve, std::size_t first, std::size_t last, const Tolerances& tolerances) {
     const Between between(first > 0 ? asDouble(curve[first - 1].shown) : Shown{}, asDouble(curve[last].shown));
     const double begin = curve[first].begin, scale = 1 / (curve[last].end - begin);

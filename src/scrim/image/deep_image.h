@@ -20,9 +20,9 @@ struct DeepPiece {
     std::array<float, 4> shown{};  ///< premultiplied RGBA of everything in front of `end`, nearer pieces included
 };
 
-/// Pieces from front to back that do not overlap; space between them is empty. Within a piece the extinction is
-/// constant, and colour accumulates in proportion to opacity, as deep compositing assumes (OpenEXR, "Interpreting
-/// OpenEXR Deep Pixels").
+/// Pieces from front to back that do not overlap; space between them is empty. Within a piece the
+/// extinction is constant, and colour accumulates in proportion to opacity, as deep compositing
+/// assumes (OpenEXR, "Interpreting OpenEXR Deep Pixels").
 using DeepCurve = std::vector<DeepPiece>;
 
 /// Premultiplied RGBA of everything in front of `depth`; a piece that contains `depth` counts in part.
@@ -42,8 +42,8 @@ DeepCurve sumOf(const std::vector<DeepTerm>& terms);
 /// whole curve, keep their exact values. A tolerance of 0 returns the curve itself.
 DeepCurve merged(const DeepCurve& curve, double tolerance);
 
-/// Removes pieces whose depths coincide after rounding, and pieces behind almost no transmittance; the piece in front
-/// of them takes over their contribution.
+/// Removes pieces whose depths coincide after rounding, and pieces behind almost no transmittance;
+/// the piece in front of them takes over their contribution.
 DeepCurve tidied(const DeepCurve& curve);
 
 /// A curve for every pixel of a window.

@@ -16,8 +16,8 @@ double meanLeft(double x) {
     return x < 1e-8 ? 1 - 0.5 * x : -std::expm1(-x) / x;
 }
 
-// Optical depths add up where pieces overlap. A pixel is therefore computed from events: beginnings and ends of
-// volumes, and surfaces.
+// Optical depths add up where pieces overlap. A pixel is therefore computed from events: beginnings
+// and ends of volumes, and surfaces.
 struct Event {
     float depth;
     double density;  // increase of extinction at the beginning of a volume; negative at its end

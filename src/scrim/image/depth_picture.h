@@ -15,8 +15,8 @@
 namespace scrim {
 
 struct DepthPicture {
-    /// An object that hides. Within it optical depth grows linearly, as OpenEXR's "Interpreting Deep Pixels" defines
-    /// it; a surface ends where it begins.
+    /// An object that hides. Within it optical depth grows linearly, as OpenEXR's "Interpreting
+    /// Deep Pixels" defines it; a surface ends where it begins.
     struct Piece {
         float begin = 0, end = 0;
         float tau = 0;     ///< optical depth; infinite: nothing is visible behind it

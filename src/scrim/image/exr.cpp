@@ -48,8 +48,8 @@ void checkArguments(const std::string& path, const Image& image, const ExrOption
     }
 }
 
-/// The channels of one file. Float channels are written directly from the caller's memory, half ones from converted
-/// copies that this object owns.
+/// The channels of one file. Float channels are written directly from the caller's memory, half
+/// ones from converted copies that this object owns.
 class ChannelSet {
   public:
     ChannelSet(const PixelWindow& imageWindow, const PixelWindow& dataWindow)

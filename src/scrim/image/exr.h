@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes flat OpenEXR files: the beauty, further layers, and metadata for a pipeline. OpenEXR stays behind this header.
-// Reading is in exr_read.h, for tests, tools, and the merge of crops.
+// Writes flat OpenEXR files: the beauty, further layers, and metadata for a pipeline. OpenEXR stays
+// behind this header. Reading is in exr_read.h, for tests, tools, and the merge of crops.
 #pragma once
 
 #include <scrim/image/image.h>

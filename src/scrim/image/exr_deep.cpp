@@ -20,8 +20,8 @@ namespace {
 
 constexpr int kRowsAtATime = 32;
 
-// Transmittance below which samples are merged into the one in front: half floats have no alpha between 1 - 2^-11 and
-// 1.
+// Transmittance below which samples are merged into the one in front: half floats have no alpha
+// between 1 - 2^-11 and 1.
 constexpr double kOpaqueHalf = 1.0 / 2048, kOpaqueFloat = 1e-6;
 
 PixelWindow windowOfSamples(const DeepImage& image) {
@@ -140,8 +140,8 @@ std::vector<DeepSample> deepSamples(std::span<const DeepPiece> curve, bool asHal
         const std::array<float, 4>& to = last ? curve.back().shown : curve[i].shown;
         for (std::size_t c = 0; c < 3; ++c) {
             const double colour = (to[c] - shown[c]) / left;
-            // Where the preceding sample was rounded up by more than this one adds, this one adds nothing, and the next
-            // one less.
+            // Where the preceding sample was rounded up by more than this one adds, this one adds
+            // nothing, and the next one less.
             const bool grows = to[c] >= (i > 0 ? curve[i - 1].shown[c] : 0);
             sample.rgba[c] = rounded(grows ? std::max(0.0, colour) : colour);
             shown[c] += left * sample.rgba[c];

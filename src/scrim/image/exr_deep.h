@@ -25,9 +25,9 @@ struct DeepSample {
 /// in [0, 1]. `clamped` is increased by the number of values beyond the range of half floats.
 std::vector<DeepSample> deepSamples(std::span<const DeepPiece> curve, bool half, std::size_t& clamped);
 
-/// Writes the samples of `image`, with the data window cropped to the pixels that have any. The compression is ZIPS
-/// whatever `options.compression` says, and an ACES container, which is flat, is not possible. Returns the number of
-/// clamped values, and throws as writeExr does.
+/// Writes the samples of `image`, with the data window cropped to the pixels that have any. The
+/// compression is ZIPS whatever `options.compression` says, and an ACES container, which is flat,
+/// is not possible. Returns the number of clamped values, and throws as writeExr does.
 std::size_t writeDeepExr(const std::string& path, const DeepImage& image, const ExrOptions& options,
                          const ExrAttributes& attributes = {});
 

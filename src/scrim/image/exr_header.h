@@ -22,8 +22,8 @@
 
 namespace scrim {
 
-/// An output stream that remembers its first failure. OpenEXR swallows exceptions while it closes a file, so a full
-/// disk would go unnoticed; `close` reports it.
+/// An output stream that remembers its first failure. OpenEXR swallows exceptions while it closes a
+/// file, so a full disk would go unnoticed; `close` reports it.
 class CheckedStream : public Imf::OStream {
   public:
     explicit CheckedStream(const std::string& path);
@@ -58,8 +58,8 @@ inline half clampedHalf(float value, std::size_t& clamped) {
     return half(value);
 }
 
-/// Calls `write` with an AtomicFile for `path`, commits the file, and returns the result of `write`. Exceptions of
-/// OpenEXR become Errors.
+/// Calls `write` with an AtomicFile for `path`, commits the file, and returns the result of
+/// `write`. Exceptions of OpenEXR become Errors.
 template <typename Write>
 auto writingExr(const std::string& path, const Write& write) {
     AtomicFile file(path);

@@ -47,8 +47,8 @@ char* baseOf(const void* first, const PixelWindow& window, std::size_t bytes) {
     return reinterpret_cast<char*>(reinterpret_cast<std::uintptr_t>(first) - static_cast<std::uintptr_t>(offset));
 }
 
-/// A stripe of a picture or a tile. In a flat picture each pixel has one sample, in a deep one as many as `counts`
-/// says.
+/// A stripe of a picture or a tile. In a flat picture each pixel has one sample, in a deep one as
+/// many as `counts` says.
 struct Stripe {
     PixelWindow window;
     std::vector<unsigned> counts;             // number of samples of each pixel; rows from top to bottom
@@ -281,8 +281,8 @@ void writeDeep(CheckedStream& stream, const Imf::Header& header, const PixelWind
     });
 }
 
-/// The data window that a render of the whole would choose: around everything that is not empty, or else the pixel at
-/// the corner.
+/// The data window that a render of the whole would choose: around everything that is not empty, or
+/// else the pixel at the corner.
 PixelWindow windowOf(const std::vector<ExrTile>& tiles) {
     PixelWindow window, crops;
     for (const ExrTile& tile : tiles) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal to exr_merge.cpp: finds out which part of which picture an OpenEXR file holds, and whether several files
-// belong together.
+// Internal to exr_merge.cpp: finds out which part of which picture an OpenEXR file holds, and
+// whether several files belong together.
 #pragma once
 
 #include <scrim/image/image.h>
@@ -22,12 +22,12 @@ struct ExrTile {
     std::optional<PixelWindow> picture;  ///< the picture that the crop is part of, where the file states it
 };
 
-/// Reads the header, and no pixels but the one of a picture that may be empty. Throws Error(input) where that fails, or
-/// the file is incomplete.
+/// Reads the header, and no pixels but the one of a picture that may be empty. Throws Error(input)
+/// where that fails, or the file is incomplete.
 ExrTile readExrTile(const std::string& path);
 
-/// Throws Error(input) where the tiles belong to different pictures, or do not cover the picture. There must be at
-/// least one.
+/// Throws Error(input) where the tiles belong to different pictures, or do not cover the picture.
+/// There must be at least one.
 void checkExrTiles(const std::vector<ExrTile>& tiles);
 
 /// The header that all tiles share. Attributes that describe single tiles are left out, and their names are added to

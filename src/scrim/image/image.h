@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture in memory and the windows that place it. It is independent of any file format or colour library, so that
-// renderers, tests and writers can share it without including those.
+// The picture in memory and the windows that place it. It is independent of any file format or
+// colour library, so that renderers, tests and writers can share it without including those.
 #pragma once
 
 #include <scrim/geometry/box2.h>
@@ -11,12 +11,12 @@
 
 namespace scrim {
 
-/// A half-open box of pixels. The display window starts at (0, 0); a data window may begin at negative coordinates
-/// (overscan).
+/// A half-open box of pixels. The display window starts at (0, 0); a data window may begin at
+/// negative coordinates (overscan).
 using PixelWindow = Box2<int>;
 
-/// Premultiplied scene-linear RGBA: 4 floats per pixel, rows from top to bottom. `rgba` holds exactly 4 *
-/// window.pixelCount() floats.
+/// Premultiplied scene-linear RGBA: 4 floats per pixel, rows from top to bottom. `rgba` holds
+/// exactly 4 * window.pixelCount() floats.
 struct Image {
     PixelWindow window;
     std::vector<float> rgba;
@@ -27,8 +27,8 @@ struct Image {
     }
 };
 
-/// Called now and then during a render with a function that returns the picture so far; calling that function takes
-/// time. It is called from a thread of the render, never from two at once.
+/// Called now and then during a render with a function that returns the picture so far; calling
+/// that function takes time. It is called from a thread of the render, never from two at once.
 using PictureSink = std::function<void(const std::function<Image()>& soFar)>;
 
 /// An image of `window` with 0 in all channels.

@@ -216,8 +216,8 @@ double candelaAt(const FilePhotometry& file, double vertical, double horizontal)
     return h.part == 0 ? begin : begin + h.part * (column(h.index + 1) - begin);
 }
 
-// The number of equal steps over `range` degrees that meet all angles, so that values between them are exact; steps of
-// `least` degrees where that would take finer ones.
+// The number of equal steps over `range` degrees that meet all angles, so that values between them
+// are exact; steps of `least` degrees where that would take finer ones.
 int stepsOver(const std::vector<float>& angles, double range, double least) {
     constexpr double kUnits = 100;  // per degree
     long step = std::lround(range * kUnits);

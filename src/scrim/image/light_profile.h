@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much light a luminaire sends into each direction, from a photometric file (IES LM-63): the file as it is read,
-// and the table in which renderers look directions up.
+// How much light a luminaire sends into each direction, from a photometric file (IES LM-63): the
+// file as it is read, and the table in which renderers look directions up.
 #pragma once
 
 #include <scrim/geometry/spaces.h>

@@ -82,8 +82,8 @@ using PictureModuleFunction = const PictureModule* (*)();
 /// The path of the module, which is an optional part of an installation. Throws Error(render) where it is missing.
 std::string pictureModulePath();
 
-/// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where it cannot be
-/// loaded.
+/// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where
+/// it cannot be loaded.
 const PictureModule& pictureModule();
 
 }  // namespace scrim

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Preview pictures: a render as it looks on a display, in a format that any program opens. The data itself is written
-// as EXR.
+// Preview pictures: a render as it looks on a display, in a format that any program opens. The data
+// itself is written as EXR.
 #pragma once
 
 #include <scrim/image/colour.h>
@@ -28,8 +28,8 @@ struct PreviewLook {
 void writePreview(const std::string& path, const Image& working, const PixelWindow& displayWindow,
                   const ColourConfig& colour, const PreviewLook& look);
 
-/// The bytes of an opaque picture file in the format of the extension of `name`. Throws Error(output), which names the
-/// file `name`.
+/// The bytes of an opaque picture file in the format of the extension of `name`. Throws
+/// Error(output), which names the file `name`.
 std::vector<unsigned char> pictureBytes(const std::string& name, const DisplayImage& picture);
 
 }  // namespace scrim

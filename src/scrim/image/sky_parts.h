@@ -16,8 +16,8 @@ struct SkySun {
     double u = 0, v = 0;  ///< its centre, in [0, 1] from the picture's left and top
     double angle = 0;     ///< full angle of a disk of its solid angle, degrees
     Rgb light{0};         ///< integral over its solid angle of what it adds to the sky around it
-    /// Radiance of a sun that is not in the picture itself, from its lowest to its highest elevation, at the middles of
-    /// strips of equal heights; empty: it is in the picture.
+    /// Radiance of a sun that is not in the picture itself, from its lowest to its highest
+    /// elevation, at the middles of strips of equal heights; empty: it is in the picture.
     std::vector<Rgb> rows = {};
 };
 
@@ -26,8 +26,8 @@ struct SkyParts {
     std::shared_ptr<const Texture> smooth;  ///< the picture without them, at most 2048 pixels wide; null: it has none
 };
 
-/// Finds at most 8 suns: spots at most 5 degrees across, much brighter than the sky, each with 0.5 % of its light or
-/// more. The integral of the parts is that of the picture, to rounding.
+/// Finds at most 8 suns: spots at most 5 degrees across, much brighter than the sky, each with 0.5
+/// % of its light or more. The integral of the parts is that of the picture, to rounding.
 SkyParts skyParts(const Texture& picture);
 
 }  // namespace scrim

@@ -9,8 +9,8 @@
 namespace scrim {
 namespace {
 
-// The part of the `fine` pixels that pixel `i` of `coarse` covers along one axis: up to three pixels, with weights that
-// sum to 1.
+// The part of the `fine` pixels that pixel `i` of `coarse` covers along one axis: up to three
+// pixels, with weights that sum to 1.
 struct Cover {
     int first = 0, count = 0;
     float weights[3] = {0, 0, 0};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture that can be looked up anywhere: a slide in front of a light. It holds the pixels and their averages over
-// ever larger squares (a mip pyramid); interpolation is done by the code that looks them up
-// (engine/light/sheet_light.h).
+// A picture that can be looked up anywhere: a slide in front of a light. It holds the pixels and
+// their averages over ever larger squares (a mip pyramid); interpolation is done by the code that
+// looks them up (engine/light/sheet_light.h).
 #pragma once
 
 #include <scrim/base/messages.h>

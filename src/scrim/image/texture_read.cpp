@@ -30,11 +30,11 @@ std::size_t sanitize(Image& image) {
     return bad;
 }
 
-/// Converts from the file's space to premultiplied values in the working space. In an encoded space, the values mean
-/// the colour itself, not its product with alpha.
+/// Converts from the file's space to premultiplied values in the working space. In an encoded
+/// space, the values mean the colour itself, not its product with alpha.
 void convertPixels(Image& image, bool multiplied, const std::string& space, const ColourConfig& colour) {
-    // A premultiplied file may contain light where it is transparent. There, and where it is opaque, the colour is used
-    // unchanged.
+    // A premultiplied file may contain light where it is transparent. There, and where it is
+    // opaque, the colour is used unchanged.
     const auto apart = [&](float alpha) { return multiplied && (alpha <= 0 || alpha >= 1); };
     for (std::size_t i = 0; multiplied && i < image.rgba.size(); i += 4)
         if (const float alpha = image.rgba[i + 3]; !apart(alpha))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenEXR's layout follows "OpenEXR File Layout" (openexr.com): magic and version, the header's attributes (for each
-// part), a table of the positions of chunks, the chunks.
+// OpenEXR's layout follows "OpenEXR File Layout" (openexr.com): magic and version, the header's
+// attributes (for each part), a table of the positions of chunks, the chunks.
 #include <scrim/image/whole_picture.h>
 
 #include <algorithm>

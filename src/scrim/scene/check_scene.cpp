@@ -24,8 +24,8 @@
 namespace scrim {
 namespace {
 
-/// Tolerance for lengths and right angles of axes and directions: more than their error if they were computed in
-/// floats.
+/// Tolerance for lengths and right angles of axes and directions: more than their error if they
+/// were computed in floats.
 constexpr double kRounding = 1e-4;
 
 bool isFinite(const Vec3& v) {
@@ -77,8 +77,8 @@ class Check {
     void unit(const Key& key, const Vec3& v) const {
         if (!(std::abs(glm::length(v) - 1) <= kRounding)) refuse(key.name, textOf(v), "a direction of length 1");
     }
-    /// Checks a colour of light. A colour of another space may have a negative component in the working space, but its
-    /// sum must not be negative: no light takes light away.
+    /// Checks a colour of light. A colour of another space may have a negative component in the
+    /// working space, but its sum must not be negative: no light takes light away.
     void light(const Key& key, const Rgb& rgb) const {
         if (!isFinite(rgb) || rgb.x + rgb.y + rgb.z < 0)
             refuse(key.name, textOf(rgb), "finite numbers with a sum of at least 0");
@@ -93,8 +93,8 @@ class Check {
         if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1 || !isInvertible(m))
             refuse(key.name, "not an invertible affine matrix", "a matrix with an inverse and the last row 0, 0, 0, 1");
     }
-    /// Checks that the points of a ramp ascend, that their values are from 0 to `most`, and that the ramp is 0 at 0.
-    /// `ends` gives the smallest and the largest component of a point's value.
+    /// Checks that the points of a ramp ascend, that their values are from 0 to `most`, and that
+    /// the ramp is 0 at 0. `ends` gives the smallest and the largest component of a point's value.
     template <typename T, typename Ends>
     void ramp(const Key& key, const std::vector<std::pair<double, T>>& points, double most, const Ends& ends) const {
         if (points.empty()) return;

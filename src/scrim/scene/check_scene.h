@@ -7,9 +7,9 @@
 
 namespace scrim {
 
-/// Throws Error(input) "`scene.file`: light 'key': 'cone' is nan; expected a number ..." where a value is out of its
-/// key's range or not a number, a ramp or transfer function is not one that a file could hold, the camera's axes are
-/// not orthonormal, or two settings contradict each other.
+/// Throws Error(input) "`scene.file`: light 'key': 'cone' is nan; expected a number ..." where a
+/// value is out of its key's range or not a number, a ramp or transfer function is not one that a
+/// file could hold, the camera's axes are not orthonormal, or two settings contradict each other.
 void checkScene(const Scene& scene);
 
 }  // namespace scrim

@@ -10,8 +10,8 @@
 
 namespace scrim {
 
-/// A point of a transfer function, which is linear between points and constant outside of them. Two points of equal
-/// value make a step.
+/// A point of a transfer function, which is linear between points and constant outside of them. Two
+/// points of equal value make a step.
 struct TransferPoint {
     double value = 0;       ///< of the field
     Rgb color{1};           ///< C_obj, working space
@@ -22,8 +22,8 @@ struct TransferPoint {
 struct Classified {
     std::vector<TransferPoint> transfer;  ///< ascending values; a value of 0 has extinction 0
     double densityScale = 1;              ///< factor on the extinction of every point
-    /// Extinctions are per edge of a voxel, whatever unit the scan has; where the scene is assembled, `densityScale`
-    /// takes the edge in.
+    /// Extinctions are per edge of a voxel, whatever unit the scan has; where the scene is
+    /// assembled, `densityScale` takes the edge in.
     bool perVoxel = false;
     /// (length of the field's gradient per world unit, ascending; factor on the extinction, at most 1), linear between
     /// points and constant outside of them; empty: 1. Thus boundaries show, and homogeneous matter does not (J. Kniss,
@@ -62,12 +62,12 @@ double gradientFactor(const Classified& classified, double gradientLength);
 /// The windows of CT that have names.
 enum class ScanWindow { bone, softTissue, lung, vessels };
 
-/// The value of a grid at 0 Hounsfield units, as the volume source `scan` makes it: air is at 24, and nothing is below
-/// 0.
+/// The value of a grid at 0 Hounsfield units, as the volume source `scan` makes it: air is at 24,
+/// and nothing is below 0.
 inline constexpr double kHounsfieldZero = 1024;
 
-/// The transfer function of a window, in Hounsfield units plus `zero`, with extinctions per voxel: "bone" is opaque
-/// from 300 on, and so on.
+/// The transfer function of a window, in Hounsfield units plus `zero`, with extinctions per voxel:
+/// "bone" is opaque from 300 on, and so on.
 std::vector<TransferPoint> transferOf(ScanWindow window, double zero = kHounsfieldZero);
 
 /// The same for a window as viewers have it, [centre - width / 2, centre + width / 2]: from black and clear to white
@@ -79,16 +79,16 @@ std::vector<TransferPoint> transferOf(double centre, double width, double zero =
 /// the field changes by a hundredth of the transfer function's last value over one voxel (`voxel`, world units).
 double normalWeight(const Classified& classified, double gradientLength, double voxel);
 
-/// The length (per world unit) of the gradient that a cut face adds (geometry/half_space.h): a change by the transfer
-/// function's last value over a voxel.
+/// The length (per world unit) of the gradient that a cut face adds (geometry/half_space.h): a
+/// change by the transfer function's last value over a voxel.
 double cutGradient(const Classified& classified, double voxel);
 
 /// The gradient's length (per world unit) at which the normal has the weight 1/2.
 double vagueGradient(const Classified& classified, double voxel);
 
-/// The fraction of irradiance / pi that is reflected, by ZC02 eq. 3 for one light. `diffuse` is to be multiplied by the
-/// object's colour, `specular` is not. All vectors are unit: `normal` points out of the dense side, `toLight` and
-/// `toEye` away from the surface.
+/// The fraction of irradiance / pi that is reflected, by ZC02 eq. 3 for one light. `diffuse` is to
+/// be multiplied by the object's colour, `specular` is not. All vectors are unit: `normal` points
+/// out of the dense side, `toLight` and `toEye` away from the surface.
 struct Reflected {
     double diffuse = 0, specular = 0;
 };

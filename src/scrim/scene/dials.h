@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The values of the dials: every setting that trades accuracy for time. Their names, units, defaults, ranges and
-// meanings stand in one table in quality.h.
+// The values of the dials: every setting that trades accuracy for time. Their names, units,
+// defaults, ranges and meanings stand in one table in quality.h.
 #pragma once
 
 #include <scrim/volume/sparse_field.h>
@@ -35,21 +35,21 @@ struct Dials {
     ShadowPlane shadowPlane = ShadowPlane::light;
     SheetAxis sheets = SheetAxis::halfWay;
     double maxSlant = 60;  ///< degrees
-    /// Angle around perpendicular, degrees, within which a light is swept from both sides. Without a value it is
-    /// kCrossFade where the scene moves and 0 where it stands still.
+    /// Angle around perpendicular, degrees, within which a light is swept from both sides. Without
+    /// a value it is kCrossFade where the scene moves and 0 where it stands still.
     std::optional<double> crossFade;
     double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque
     double lightError = 0.005;    ///< relative error allowed to the sub-lights that represent an extended light
-    /// Projected size of a voxel, pixels, below which a coarser level is splatted; 0: never; no value: chosen for the
-    /// preset's promise (verify/promise.h), or 0 where nobody chooses.
+    /// Projected size of a voxel, pixels, below which a coarser level is splatted; 0: never; no
+    /// value: chosen for the preset's promise (verify/promise.h), or 0 where nobody chooses.
     std::optional<double> lod;
     int antialias = 1;                ///< n x n rays a pixel
     std::optional<double> lightCell;  ///< edge, in voxels, of the smallest cells of lights on cells; no value: chosen
-    /// The edge of the larger cells of other volumes, relative to what is chosen for them; no value: 1, or less where
-    /// the smallest cells are smaller than chosen.
+    /// The edge of the larger cells of other volumes, relative to what is chosen for them; no
+    /// value: 1, or less where the smallest cells are smaller than chosen.
     std::optional<double> lightCellOthers;
-    /// Edge, in voxels, of the cells that carry multiply scattered light; no value: chosen for the preset's promise
-    /// (verify/promise.h), or kScatterCell where nobody chooses.
+    /// Edge, in voxels, of the cells that carry multiply scattered light; no value: chosen for the
+    /// preset's promise (verify/promise.h), or kScatterCell where nobody chooses.
     std::optional<double> scatterCell;
     /// Directions that carry multiply scattered light; no value: chosen from the phase functions.
     std::optional<int> scatterDirections;

@@ -93,8 +93,8 @@ double total(const std::vector<double>& bins) {
     return std::accumulate(bins.begin(), bins.end(), 0.0);
 }
 
-/// Counts the voxels of some blocks. All values of a bin have one exponent, so that their sum is that of whole numbers,
-/// and exact; a bin is one number that holds both, the voxels above the sum.
+/// Counts the voxels of some blocks. All values of a bin have one exponent, so that their sum is
+/// that of whole numbers, and exact; a bin is one number that holds both, the voxels above the sum.
 class BlockBins {
   public:
     static constexpr std::size_t kMostBlocks = 64;  // the sum of so many mantissas stays below kVoxel

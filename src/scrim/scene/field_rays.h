@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a field has values and how much of it a ray meets. This is all that is needed to place a camera and to choose a
-// density, and it does without the engine.
+// Where a field has values and how much of it a ray meets. This is all that is needed to place a
+// camera and to choose a density, and it does without the engine.
 #pragma once
 
 #include <scrim/geometry/bounds.h>
@@ -13,8 +13,8 @@ namespace scrim {
 /// Index-space box around the cells (centre +- half a voxel) of all voxels above 0; empty where there are none.
 Bounds isOccupied(const SparseField& field);
 
-/// Points, in index space, whose convex hull contains the cells of all voxels of at least `least` and above 0. They are
-/// the corners of a box for each block, enlarged by `reach` voxels.
+/// Points, in index space, whose convex hull contains the cells of all voxels of at least `least`
+/// and above 0. They are the corners of a box for each block, enlarged by `reach` voxels.
 std::vector<Vec3> isOutline(const SparseField& field, float least, double reach);
 
 /// Voxels that show nothing beside the others, as simulations leave them around their smoke.
@@ -24,12 +24,12 @@ struct Negligible {
 };
 Negligible negligibleIn(const SparseField& field);
 
-/// A value below which voxels hold next to nothing: at most a five-hundredth of the sum of all values. At least half of
-/// the voxels that are not negligible are above it.
+/// A value below which voxels hold next to nothing: at most a five-hundredth of the sum of all
+/// values. At least half of the voxels that are not negligible are above it.
 float faintValue(const SparseField& field);
 
-/// The field's largest value without outliers: if fewer than one voxel in 5,000 exceeds all others more than fourfold,
-/// the result is the largest of the others (rounded up by at most a fifth).
+/// The field's largest value without outliers: if fewer than one voxel in 5,000 exceeds all others
+/// more than fourfold, the result is the largest of the others (rounded up by at most a fifth).
 float usualMost(const SparseField& field);
 
 /// Integrates a field along rays; each voxel is constant over its cell. It refers to the field, which must outlive it.

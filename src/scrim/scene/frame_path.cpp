@@ -16,8 +16,8 @@
 namespace scrim {
 namespace {
 
-/// The most digits that a frame is padded to. More than any frame has would only make names longer than file systems
-/// allow.
+/// The most digits that a frame is padded to. More than any frame has would only make names longer
+/// than file systems allow.
 constexpr int kMostDigits = 20;
 /// Characters with a meaning in patterns; a '$' before one of them stands for the character itself.
 constexpr std::string_view kSpecial = "$#%";

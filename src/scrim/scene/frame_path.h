@@ -37,8 +37,8 @@ std::string expandFrame(const std::string& pattern, int frame);
 /// `path` relative to `folder`; unchanged where it is absolute or `folder` is empty.
 std::string pathIn(const std::string& folder, const std::string& path);
 
-/// A pattern and the folder it is relative to. Only the pattern is searched for frame numbers, so folders may have any
-/// name.
+/// A pattern and the folder it is relative to. Only the pattern is searched for frame numbers, so
+/// folders may have any name.
 struct FramePath {
     std::string folder;
     std::string pattern;
@@ -52,8 +52,8 @@ struct FramePath {
     std::string outputAt(int frame) const;
 };
 
-/// The frames for which `path` has a file, ascending. Empty where the pattern has no frame, or has it in the name of a
-/// folder.
+/// The frames for which `path` has a file, ascending. Empty where the pattern has no frame, or has
+/// it in the name of a folder.
 std::vector<int> existingFrames(const FramePath& path);
 
 }  // namespace scrim

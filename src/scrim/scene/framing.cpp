@@ -86,8 +86,8 @@ RayFamily raysOver(const Camera& camera, int n) {
     return wsRays(coarse);
 }
 
-/// The values of `measure(origin, direction)` for the rays of an n x n raster over the picture: those above 0, in
-/// ascending order.
+/// The values of `measure(origin, direction)` for the rays of an n x n raster over the picture:
+/// those above 0, in ascending order.
 template <typename Measure>
 std::vector<double> measured(const Camera& camera, int n, const Measure& measure) {
     const RayFamily rays = raysOver(camera, n);
@@ -103,8 +103,8 @@ std::vector<double> measured(const Camera& camera, int n, const Measure& measure
     return values;
 }
 
-/// Drops the rays that meet next to nothing, where others meet much: they show nothing at any scale at which the others
-/// can be told apart. `depths`: in ascending order.
+/// Drops the rays that meet next to nothing, where others meet much: they show nothing at any scale
+/// at which the others can be told apart. `depths`: in ascending order.
 void dropFaint(std::vector<double>& depths) {
     constexpr double kFaint = 1e-3;  // of the depth of the ray above which half of the sum lies
     const double sum = std::accumulate(depths.begin(), depths.end(), 0.0);
@@ -201,8 +201,8 @@ std::string lightText(const std::string& comment, const std::string& name, const
         comment, name, tomlRounded(wsFromCamera * -glm::normalize(place), -3), color, tomlSignificant(intensity, 3));
 }
 
-/// The text of the lights. `front`: how far the key light stands towards the viewer. Light from the side shapes media,
-/// light from the front shapes surfaces.
+/// The text of the lights. `front`: how far the key light stands towards the viewer. Light from the
+/// side shapes media, light from the front shapes surfaces.
 std::string lightsText(const Mat3& wsFromCamera, double part, double front) {
     return lightText("From above, left of the camera", "key", wsFromCamera, {-0.8, 0.8, front}, "[1, 0.94, 0.85]",
                      28 * part) +

@@ -12,8 +12,8 @@
 
 namespace scrim {
 
-/// The rotation from an upright frame to the asset's world. Its columns are the right, up and back directions of a
-/// viewer in front of the asset.
+/// The rotation from an upright frame to the asset's world. Its columns are the right, up and back
+/// directions of a viewer in front of the asset.
 Mat3 wsFromUpright(const Vec3& wsUp);
 
 /// A grid of temperatures by which the asset glows.

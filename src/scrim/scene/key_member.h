@@ -9,8 +9,8 @@
 
 namespace scrim {
 
-/// What leads to a member of an Object: &Object::name, or a function that returns a reference to a member of an Object,
-/// which may be const.
+/// What leads to a member of an Object: &Object::name, or a function that returns a reference to a
+/// member of an Object, which may be const.
 template <typename Member, typename Object>
 concept MemberOf = std::is_invocable_v<Member, Object&>;
 
@@ -22,8 +22,8 @@ auto within(Outer outer, Inner inner) {
     };
 }
 
-/// A number, whole number, boolean or enumeration in a struct, read and set as a number: a boolean is 0 or 1, and an
-/// enumeration is the index of its word.
+/// A number, whole number, boolean or enumeration in a struct, read and set as a number: a boolean
+/// is 0 or 1, and an enumeration is the index of its word.
 class KeyMember {
   public:
     KeyMember() = default;

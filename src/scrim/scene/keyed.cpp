@@ -6,8 +6,8 @@
 namespace scrim {
 namespace {
 
-/// Slope of a monotone cubic at a key. Boost has this as pchip, but version 1.74 throws below four keys, and two are
-/// the usual case.
+/// Slope of a monotone cubic at a key. Boost has this as pchip, but version 1.74 throws below four
+/// keys, and two are the usual case.
 ///
 /// With slopes a and b of the chords before and after the key, of lengths h and k in frames, the slope is their
 /// weighted harmonic mean, or 0 at a turning point (F. N. Fritsch and J. Butland, "A method for constructing local

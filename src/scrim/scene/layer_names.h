@@ -20,8 +20,8 @@ inline const std::string& nameOf(Layer layer) {
     return layerNames()[std::size_t(layer)];
 }
 
-/// A light's name as part of a channel's name. Characters that are neither letters, digits nor underscores become
-/// underscores, since compositing programs refuse or mangle all others.
+/// A light's name as part of a channel's name. Characters that are neither letters, digits nor
+/// underscores become underscores, since compositing programs refuse or mangle all others.
 inline std::string channelName(std::string name) {
     for (char& c : name) {
         const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');

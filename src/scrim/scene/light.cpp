@@ -46,8 +46,8 @@ void shineFrom(Light& light, const TriangleMesh& mesh, const Mat4& wsFromMesh) {
     for (Vec3& point : surface->points) area.wsSurface.include(point = transformPoint(wsFromMesh, point));
     if (glm::determinant(wsFromMesh) < 0) turnOver(*surface);  // as a mirror does
     if (isInsideOut(*surface)) turnOver(*surface);
-    // Even places in the order of the tree are even in space and among normals. In that of files they may all be on one
-    // side of a tube, ring after ring.
+    // Even places in the order of the tree are even in space and among normals. In that of files
+    // they may all be on one side of a tube, ring after ring.
     area.surface = std::make_shared<const TriangleMesh>(ShiningMesh(std::move(*surface)).mesh());
     area.surfaceArea = MeshPlaces(*area.surface).area();
     light.wsPosition = area.wsSurface.center();

@@ -54,9 +54,9 @@ struct Luminaire {
 
 enum class AreaShape { rectangle, disk, sphere, cylinder, mesh };
 
-/// How a surface's radiance depends on the direction, if a grid in front of it holds back what leaves it aslant: at an
-/// angle t to the normal it has the factor (tan a - tan t) / (tan a - a), a half of the spread. The power stays the
-/// same (Cycles' definition).
+/// How a surface's radiance depends on the direction, if a grid in front of it holds back what
+/// leaves it aslant: at an angle t to the normal it has the factor (tan a - tan t) / (tan a - a), a
+/// half of the spread. The power stays the same (Cycles' definition).
 class Spread {
   public:
     /// The full angle in degrees; 180: Lambert.
@@ -94,8 +94,8 @@ struct Light {
         double blend = 0.15;    ///< fraction of the cone, from its border inwards, over which the light fades
         bool operator==(const Spot&) const = default;
     };
-    /// A small piece of a surface whose normal is wsDirection. Its radiant intensity is multiplied by the cosine to the
-    /// normal; it sends nothing backwards.
+    /// A small piece of a surface whose normal is wsDirection. Its radiant intensity is multiplied
+    /// by the cosine to the normal; it sends nothing backwards.
     struct Element : Point {
         double spread = 180;  ///< full angle, degrees (see Spread)
         bool operator==(const Element&) const = default;
@@ -114,8 +114,8 @@ struct Light {
         std::shared_ptr<const TriangleMesh> surface = {};  ///< mesh: in world space; null until shineFrom
         double surfaceArea = 0;                            ///< mesh: that of `surface`
         Bounds wsSurface = {};                             ///< mesh: those of `surface`
-        /// Area of the emitting surface, world units squared: w h, pi r^2, 4 pi r^2, without the ends 2 pi r w, or the
-        /// sum of the triangles'.
+        /// Area of the emitting surface, world units squared: w h, pi r^2, 4 pi r^2, without the
+        /// ends 2 pi r w, or the sum of the triangles'.
         double area() const;
         bool operator==(const Area&) const = default;
     };
@@ -132,9 +132,9 @@ struct Light {
     /// Unit; distant: direction of travel; else the axis of a cone, slide or luminaire, or the normal.
     Vec3 wsDirection{0, 0, -1};
     Vec3 wsUp{0, 1, 0};  ///< the up direction of a slide, luminaire, rectangle or sky; any length but 0
-    /// Colour * intensity * 2^exposure. It is irradiance for distant lights and lights without decay, radiance for area
-    /// lights and domes, and radiant intensity for all others: their irradiance is intensity / max(r^2, radius^2), r in
-    /// world units.
+    /// Colour * intensity * 2^exposure. It is irradiance for distant lights and lights without
+    /// decay, radiance for area lights and domes, and radiant intensity for all others: their
+    /// irradiance is intensity / max(r^2, radius^2), r in world units.
     Rgb intensity{1};
     int samples = 0;  ///< sub-lights that represent an extended light; 0: as many as the dial light_error asks for
     std::optional<Slide> slide;          ///< multiplies the intensity; a projector is a point light with a slide
@@ -149,8 +149,8 @@ struct Light {
     const Area* area() const { return std::get_if<Area>(&kind); }
     const Dome* dome() const { return std::get_if<Dome>(&kind); }
     bool operator==(const Light&) const = default;
-    /// True if the light shines from more than one point or direction. The engine represents such a light by several
-    /// sub-lights.
+    /// True if the light shines from more than one point or direction. The engine represents such a
+    /// light by several sub-lights.
     bool extended() const {
         const Distant* sun = std::get_if<Distant>(&kind);
         return area() || dome() || (sun && sun->angle > 0);
@@ -164,16 +164,16 @@ struct Light {
     Point& point() { return const_cast<Point&>(std::as_const(*this).point()); }
 };
 
-/// The right, up and normal axes of an area light, a dome or a luminaire, in world space, as orthonormal columns. The
-/// normal lies along light.wsDirection, and up is as near to light.wsUp as possible. Right is on the right of a viewer
-/// whom the light shines at.
+/// The right, up and normal axes of an area light, a dome or a luminaire, in world space, as
+/// orthonormal columns. The normal lies along light.wsDirection, and up is as near to light.wsUp as
+/// possible. Right is on the right of a viewer whom the light shines at.
 Mat3 lightFrame(const Light& light);
 
 /// Makes a light whose shape is a mesh shine from `mesh`, which `wsFromMesh` places.
 void shineFrom(Light& light, const TriangleMesh& mesh, const Mat4& wsFromMesh);
 
-/// The factor of the light's luminaire, from 0 to 1, on light that travels along `wsTravel` (unit); 1 without one, or
-/// before it is loaded. `frame`: that of the light.
+/// The factor of the light's luminaire, from 0 to 1, on light that travels along `wsTravel` (unit);
+/// 1 without one, or before it is loaded. `frame`: that of the light.
 double luminairePart(const Light& light, const Mat3& frame, const Vec3& wsTravel);
 
 /// The point on a rectangle, world space, that shows (u, v) of its picture. A viewer whom the light shines at sees (0,

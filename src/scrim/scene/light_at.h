@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light that a light without extent sends to a place, before anything attenuates it: decay, cone, luminaire and
-// slide. All code that follows single rays asks here; shading computes the same for all samples of a sheet at once
-// (engine/light, engine/shade).
+// The light that a light without extent sends to a place, before anything attenuates it: decay,
+// cone, luminaire and slide. All code that follows single rays asks here; shading computes the same
+// for all samples of a sheet at once (engine/light, engine/shade).
 #pragma once
 
 #include <scrim/scene/light.h>
@@ -32,9 +32,9 @@ struct SpotEdges {
 
 class LightAt {
   public:
-    /// `light` must outlive this object, must not be extended, and must have its slide and luminaire loaded.
-    /// `leastRadius` is in world units: irradiance uses the larger of it and the light's own radius as its least
-    /// distance.
+    /// `light` must outlive this object, must not be extended, and must have its slide and
+    /// luminaire loaded. `leastRadius` is in world units: irradiance uses the larger of it and the
+    /// light's own radius as its least distance.
     explicit LightAt(const Light& light, double leastRadius = 0);
 
     /// The irradiance is 0 at the exact place of a point light without a radius, where 1/r^2 has no value.

@@ -12,8 +12,8 @@ constexpr int kRound = 96;  // edges of a circle
 // Half of its error lies within the circle, and half outside.
 const double kOutwards = 2 / (1 + std::cos(std::numbers::pi / kRound));
 
-// A sheet of columns x rows squares. `at` maps (i, j) to a corner; columns run to the right and rows upwards for those
-// whom the sheet shines at.
+// A sheet of columns x rows squares. `at` maps (i, j) to a corner; columns run to the right and
+// rows upwards for those whom the sheet shines at.
 TriangleMesh sheetOf(int columns, int rows, const std::function<Vec3(int, int)>& at) {
     TriangleMesh mesh;
     const auto width = static_cast<std::uint32_t>(columns + 1);

@@ -7,8 +7,8 @@
 
 namespace scrim {
 
-/// The surface of an area light in world space. Seen from where it shines, the corners of its triangles are
-/// counterclockwise. Round shapes lie within 0.1 % of their radius.
+/// The surface of an area light in world space. Seen from where it shines, the corners of its
+/// triangles are counterclockwise. Round shapes lie within 0.1 % of their radius.
 TriangleMesh surfaceOf(const Light& light);
 
 }  // namespace scrim

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A participating medium as VFX scenes state it: extinction is the field times a scale, and a fraction of it (the
-// albedo) is scattered.
+// A participating medium as VFX scenes state it: extinction is the field times a scale, and a
+// fraction of it (the albedo) is scattered.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -45,13 +45,13 @@ inline Phase drainePhase(double g, double alpha) {
     return {0, PhaseType::twoLobe, g, 1, 1, alpha};
 }
 
-/// The phase function of water droplets, `size` micrometres in diameter, above 0 to 50: a fit to Mie's theory with one
-/// lobe of Henyey and Greenstein and one of Draine (J. Jendersie and E. d'Eon, An Approximate Mie Scattering Function
-/// for Fog and Cloud Rendering, SIGGRAPH Talks 2023).
+/// The phase function of water droplets, `size` micrometres in diameter, above 0 to 50: a fit to
+/// Mie's theory with one lobe of Henyey and Greenstein and one of Draine (J. Jendersie and E.
+/// d'Eon, An Approximate Mie Scattering Function for Fog and Cloud Rendering, SIGGRAPH Talks 2023).
 Phase dropletPhase(double size);
 
-/// Value of the phase function for light that travels along l before and along o after scattering, with cosTheta = l.o
-/// (both unit directions of travel). It integrates to 1 over the sphere.
+/// Value of the phase function for light that travels along l before and along o after scattering,
+/// with cosTheta = l.o (both unit directions of travel). It integrates to 1 over the sphere.
 double phaseValue(const Phase& phase, double cosTheta);
 
 /// The phase function with its mean cosines multiplied by `part` in [0, 1] (Wrenninge's octaves).
@@ -85,8 +85,8 @@ struct Medium {
     Octaves octaves = {};
 
     bool operator==(const Medium&) const = default;
-    /// mostExtinction: extinction per world unit for a field value of 1, in the channel where it is largest.
-    /// relativeTint: the extinction of each channel relative to that channel.
+    /// mostExtinction: extinction per world unit for a field value of 1, in the channel where it is
+    /// largest. relativeTint: the extinction of each channel relative to that channel.
     double mostExtinction() const { return densityScale * mostTint(); }
     Rgb relativeTint() const { return mostTint() > 0 ? extinctionTint / mostTint() : Rgb(1); }
 

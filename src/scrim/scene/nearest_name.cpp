@@ -10,8 +10,8 @@ namespace {
 /// Names longer than this are not compared, since that takes time and a suggestion would hardly help.
 constexpr std::size_t kLongestName = 64;
 
-/// The optimal string alignment distance: the number of insertions, deletions, changes and swaps of neighbours, where
-/// no part is edited twice.
+/// The optimal string alignment distance: the number of insertions, deletions, changes and swaps of
+/// neighbours, where no part is edited twice.
 std::size_t editDistance(const std::string& a, const std::string& b) {
     std::vector<std::size_t> beforeLast(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
     std::iota(last.begin(), last.end(), std::size_t{0});

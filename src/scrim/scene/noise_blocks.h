@@ -21,8 +21,8 @@ class NoiseBlocks {
   public:
     /// `placeFromIs` maps voxels to places. `part`: 0, 1 and 2 are independent patterns.
     NoiseBlocks(const Noise& noise, const Mat4& placeFromIs, std::uint32_t part = 0);
-    /// Writes the values of the block at `origin` in `blockOffset` order: the same bits on every instruction set. May
-    /// be called from several threads.
+    /// Writes the values of the block at `origin` in `blockOffset` order: the same bits on every
+    /// instruction set. May be called from several threads.
     void fill(const Int3& origin, float* values) const;
 
   private:

@@ -24,8 +24,8 @@ struct FieldInWorld {
     Mat4 isFromWs{1.0};
     double isPerWs = 0;  ///< upper bound on the index-space length of a world unit
 
-    /// Takes the field's sampler from `samplers` and adds it there if it is missing. `view.field` must outlive
-    /// `samplers`. `kernel`: for a field that has none of its own.
+    /// Takes the field's sampler from `samplers` and adds it there if it is missing. `view.field`
+    /// must outlive `samplers`. `kernel`: for a field that has none of its own.
     FieldInWorld(const ViewField& view, Kernel kernel, FieldSamplers& samplers);
     double value(const Vec3& ws) const { return field->value(transformPoint(isFromWs, ws)); }
 };
@@ -51,8 +51,8 @@ class VolumeOptics {
     double mostExtinction(const Vec3& ws) const;
     /// What a classified volume with density shows at `ws`: by its transfer function and gradient, within its clip.
     ClassifiedValue classified(const Vec3& ws) const;
-    /// Radiance per world unit that a classified volume reflects of a unit of irradiance (ZC02 eq. 3). `voxel`: as in
-    /// shadingGradient.
+    /// Radiance per world unit that a classified volume reflects of a unit of irradiance (ZC02 eq.
+    /// 3). `voxel`: as in shadingGradient.
     Rgb reflected(const Vec3& ws, double voxel, const Vec3& toLight, const Vec3& toEye) const;
     /// Scattering coefficient of a medium, or of a classified volume with Classified::scatters, per world unit.
     Rgb scattering(const Vec3& ws) const;
@@ -95,8 +95,8 @@ Rgb opticalDepth(const std::vector<VolumeOptics>& volumes, const Bounds& wsBound
 /// The optical depth of a volume's largest value over `distance` world units.
 double mostDepth(const ViewVolume& volume, double distance);
 
-/// A distance within which all fields of all volumes are known to be 0; 0 where none is known, infinite without
-/// volumes.
+/// A distance within which all fields of all volumes are known to be 0; 0 where none is known,
+/// infinite without volumes.
 double emptyDistance(const std::vector<VolumeOptics>& volumes, const Vec3& ws);
 
 }  // namespace scrim

@@ -16,12 +16,12 @@ double lobeWidth(const Phase& phase);
 
 /// True if the mean of a phase function over a cap of this half angle (radians) differs from its value in the middle.
 bool needsCaps(const Phase& phase, double halfAngle);
-/// Points of surfaces serve lobes that are about as wide as what they stand for; directions of skies do not. For
-/// surfaces this part of the half angle is to be asked.
+/// Points of surfaces serve lobes that are about as wide as what they stand for; directions of
+/// skies do not. For surfaces this part of the half angle is to be asked.
 inline constexpr double kCapsOfSurfaces = 0.4;
 
-/// A function of the angle t between two directions, tabulated over the fourth root of (1 - cos t) / 2, which is dense
-/// where lobes are. It is linear between entries.
+/// A function of the angle t between two directions, tabulated over the fourth root of (1 - cos t)
+/// / 2, which is dense where lobes are. It is linear between entries.
 inline constexpr int kPhaseAngles = 512;
 using PhaseRow = std::vector<Real>;  ///< kPhaseAngles values, and one more for vectors to read
 

@@ -43,8 +43,8 @@ struct Cell {
 
 class BinMap {
   public:
-    /// A point (u, v) of the picture is at across(u) * scale(v) + down(v); rows from v0 to v1 are the fraction
-    /// share(v0, v1) of the whole.
+    /// A point (u, v) of the picture is at across(u) * scale(v) + down(v); rows from v0 to v1 are
+    /// the fraction share(v0, v1) of the whole.
     template <class Across, class Scale, class Down, class Share>
     BinMap(const Texture& picture, const Across& across, const Scale& scale, const Down& down, const Share& share) {
         const Texture::Level& level = picture.levels().front();

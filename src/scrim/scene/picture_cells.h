@@ -27,8 +27,8 @@ inline const SkySun* sunBeside(const Slide& slide) {
     return &slide.parts->suns.front();
 }
 
-/// The radiance of such a sun at the height v of the dome's picture, where it is seen; beyond its rims that of the
-/// nearer one. It has at least two rows.
+/// The radiance of such a sun at the height v of the dome's picture, where it is seen; beyond its
+/// rims that of the nearer one. It has at least two rows.
 Rgb sunRadiance(const SkySun& sun, double v);
 
 /// The finest level of that picture that has at most 256 columns: what means over wide directions are computed from.
@@ -37,21 +37,21 @@ const Texture::Level& wideLevel(const Slide& slide);
 /// The radiance of a dome in a direction (unit, towards the sky), without its suns, from that level.
 Rgb skyAt(const Light& dome, const Vec3& direction);
 
-/// What a camera sees of a dome in a direction (unit, towards the sky), suns and all: the mean over about `angle`
-/// radians, those of a pixel.
+/// What a camera sees of a dome in a direction (unit, towards the sky), suns and all: the mean over
+/// about `angle` radians, those of a pixel.
 Rgb visibleSky(const Light& dome, const Vec3& direction, double angle);
 
-/// What a camera sees of an area light's surface at a place, whose normal (unit) points to where it shines, by a ray
-/// along `direction` (unit): the mean over about `pixel` world units.
+/// What a camera sees of an area light's surface at a place, whose normal (unit) points to where it
+/// shines, by a ray along `direction` (unit): the mean over about `pixel` world units.
 Rgb visibleSurface(const Light& light, const Vec3& ws, const Vec3& normal, const Vec3& direction, double pixel);
 
-/// At most `count` cells of a dome with a loaded picture, its suns left out, without those that are dark.
-/// Deterministic.
+/// At most `count` cells of a dome with a loaded picture, its suns left out, without those that are
+/// dark. Deterministic.
 std::vector<PictureCell> domeCells(const Light& light, int count);
 
-/// The fraction, in [0, 1], of a dome's light that comes from spots much smaller than one of `directions` directions
-/// spread evenly over the sky, such as a sun: a mean over a direction blurs them. Suns that are lights of their own do
-/// not count. 0 without a loaded picture.
+/// The fraction, in [0, 1], of a dome's light that comes from spots much smaller than one of
+/// `directions` directions spread evenly over the sky, such as a sun: a mean over a direction blurs
+/// them. Suns that are lights of their own do not count. 0 without a loaded picture.
 double lightInSpots(const Light& dome, int directions);
 
 /// As domeCells, for a rectangle with a loaded picture.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and writes cameras in the headers of pictures: OpenEXR's worldToCamera and worldToNDC, as renderers write them,
-// and Scrim's own attribute.
+// Reads and writes cameras in the headers of pictures: OpenEXR's worldToCamera and worldToNDC, as
+// renderers write them, and Scrim's own attribute.
 #pragma once
 
 #include <scrim/geometry/camera.h>
@@ -23,8 +23,8 @@ namespace scrim {
 /// contradict each other, and where the convention cannot be told.
 Camera cameraOf(const PictureHeader& header, NdcRange ndc, const ColourConfig& colour);
 
-/// The camera as the keys of a scene's [camera]. Scrim writes this text into its pictures, because it is exact and
-/// matrices of floats are not.
+/// The camera as the keys of a scene's [camera]. Scrim writes this text into its pictures, because
+/// it is exact and matrices of floats are not.
 std::string cameraText(const Camera& camera);
 
 }  // namespace scrim

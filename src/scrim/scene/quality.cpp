@@ -337,8 +337,8 @@ double promisedScatteringError(const std::string& name) {
 }
 
 std::string renderBlock(const Dials& dials) {
-    // Starts from the preset that leaves the fewest dials to state. Texels and sheets are always stated, since a scene
-    // without them would have its own chosen.
+    // Starts from the preset that leaves the fewest dials to state. Texels and sheets are always
+    // stated, since a scene without them would have its own chosen.
     std::string best;
     int leastDifferences = std::numeric_limits<int>::max();
     for (const std::string& preset : presetNames()) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one table of the dials: name, unit, default, allowed values and meaning. The scene reader, the command line and
-// the page of dials all take them from here, so that they cannot disagree. Presets of quality are named settings of
-// these dials.
+// The one table of the dials: name, unit, default, allowed values and meaning. The scene reader,
+// the command line and the page of dials all take them from here, so that they cannot disagree.
+// Presets of quality are named settings of these dials.
 #pragma once
 
 #include <scrim/scene/dials.h>
@@ -27,8 +27,8 @@ const std::vector<DialInfo>& dialTable();
 
 using DialValue = std::variant<double, std::string>;
 
-/// Sets one dial. Throws Error(input) "`where`: ..." for an unknown name, a value of the wrong type or a value that is
-/// not allowed; the message says what is allowed.
+/// Sets one dial. Throws Error(input) "`where`: ..." for an unknown name, a value of the wrong type
+/// or a value that is not allowed; the message says what is allowed.
 void setDial(Dials& dials, const std::string& name, const DialValue& value, const std::string& where);
 
 /// Sets one dial from text, as on a command line: "0.5", "bilinear". Throws as setDial does.
@@ -50,8 +50,8 @@ std::optional<Dials> presetDials(const std::string& name);
 /// The `[render]` block that gives these dials in any scene.
 std::string renderBlock(const Dials& dials);
 
-/// The relative RMSE that a preset promises; it is larger for classified volumes, whose surfaces are harder to resolve.
-/// 0 for an unknown name.
+/// The relative RMSE that a preset promises; it is larger for classified volumes, whose surfaces
+/// are harder to resolve. 0 for an unknown name.
 double promisedError(const std::string& name, bool classified);
 
 /// The same for scenes in which light scatters more than once, of means over kScatteringMean x kScatteringMean pixels.

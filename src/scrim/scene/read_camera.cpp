@@ -83,8 +83,8 @@ Mat3 rigidAxes(const TomlValue& value, const Mat4& m) {
     return axes;
 }
 
-/// The camera's place and axes at the frame. Places are interpolated between keys like positions, rotations along the
-/// shorter arc.
+/// The camera's place and axes at the frame. Places are interpolated between keys like positions,
+/// rotations along the shorter arc.
 void readPose(const TomlValue& value, const ReadContext& context, Camera& camera) {
     std::vector<Mat3> axes;
     const Keyed<Vec3> places = value.keysOf<Vec3>([&](const TomlValue& item) {

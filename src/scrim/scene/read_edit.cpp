@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads what a scene does to the grids of a volume: grids from several files, clip, resample, and expressions in
-// OpenVDB AX.
+// Reads what a scene does to the grids of a volume: grids from several files, clip, resample, and
+// expressions in OpenVDB AX.
 #include <scrim/scene/read_sections.h>
 
 #include <scrim/base/letter_case.h>

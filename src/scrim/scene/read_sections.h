@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: one function for each section of a scene. Each reads all keys of its table, refuses unknown ones, and
-// returns the section's values at the frame.
+// Internal: one function for each section of a scene. Each reads all keys of its table, refuses
+// unknown ones, and returns the section's values at the frame.
 #pragma once
 
 #include <scrim/base/error.h>
@@ -48,8 +48,8 @@ struct Orbit {
     Vec3 toPlace{0, 0, 1};  ///< unit, from the centre to the place
 };
 
-/// Reads [camera] into `camera`, `plate`, `overscan` and `shutter` of `scene`. `moves` becomes true where the camera's
-/// file depends on the frame.
+/// Reads [camera] into `camera`, `plate`, `overscan` and `shutter` of `scene`. `moves` becomes true
+/// where the camera's file depends on the frame.
 void readCamera(TomlTable table, const ReadContext& context, Scene& scene);
 /// `defaultName` names a volume or light without a name of its own.
 SceneVolume readVolume(TomlTable table, const std::string& defaultName, const ReadContext& context);
@@ -58,8 +58,8 @@ std::vector<HalfSpace> readClip(TomlTable& table);
 /// Reads how the grids of a volume are put together from files, whose patterns become `sequences`.
 std::vector<CombinedGrid> readGrids(const TomlValue& value, const ReadContext& context,
                                     std::vector<FramePath>& sequences);
-/// Reads what else is done to the grids of `volume`, of which density and motion are known: clip, resample, ax. Null
-/// where nothing is.
+/// Reads what else is done to the grids of `volume`, of which density and motion are known: clip,
+/// resample, ax. Null where nothing is.
 std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& context, const SceneVolume& volume);
 /// The names of the external variables of the volume's expression, which are not parameters of its source.
 std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& context);
@@ -67,20 +67,20 @@ std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& contex
 void readDensityShading(TomlTable& table, const ReadContext& context, DensityShading& shading);
 /// Two numbers, which ascend if they have to; [0, 1] where the key is missing.
 std::array<double, 2> readPair(TomlTable& table, const Key& key, bool ascends);
-/// Read a table inside of the one that messages call `of`. What is random depends on the frame alone, not on the moment
-/// within it.
+/// Read a table inside of the one that messages call `of`. What is random depends on the frame
+/// alone, not on the moment within it.
 Mask readMask(const TomlValue& value, const std::string& of);
 Noise readNoise(const TomlValue& value, const std::string& of, const ReadContext& context);
 /// Reads [volume.medium] into the medium, albedoGrid and emission of `volume`.
 void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume);
 /// Reads [volume.classified]: the transfer function or a window, and Phong's coefficients.
 Classified readClassified(TomlTable table, const ReadContext& context);
-/// Reads { center, radius, elevation, azimuth } for the thing that messages call `of`. The radius is left out where
-/// `needsRadius` is false. `up` must be unit.
+/// Reads { center, radius, elevation, azimuth } for the thing that messages call `of`. The radius
+/// is left out where `needsRadius` is false. `up` must be unit.
 Orbit readOrbit(const TomlValue& value, const std::string& of, const Vec3& up, bool needsRadius,
                 const ReadContext& context);
-/// The shortest rotation that takes +y to the unit vector `up`. It carries +x and +z to the right and front of an
-/// orbit.
+/// The shortest rotation that takes +y to the unit vector `up`. It carries +x and +z to the right
+/// and front of an orbit.
 Mat3 wsFromOrbit(const Vec3& up);
 /// Reads four rows of four numbers that act on column vectors; the matrix must be invertible and affine.
 Mat4 readMatrix(const TomlValue& value);

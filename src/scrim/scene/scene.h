@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plain structs that describe a scene at one frame. Values are checked, keyed values are evaluated, colours are in the
-// working space and paths are expanded; no file was read but the
+// Plain structs that describe a scene at one frame. Values are checked, keyed values are evaluated,
+// colours are in the working space and paths are expanded; no file was read but the
 // scene's own, and those of expressions. Whoever builds a scene in code fills
 // these structs and needs no TOML.
 #pragma once
@@ -70,18 +70,18 @@ struct FrameMap {
 
     /// (keys or frame * speed) + offset.
     double numberAt(double frame) const;
-    /// The number of the file that is shown at `frame`: numberAt rounded to the nearest whole number, or, where files
-    /// are mixed, the first of both.
+    /// The number of the file that is shown at `frame`: numberAt rounded to the nearest whole
+    /// number, or, where files are mixed, the first of both.
     double fileAt(double frame) const;
-    /// Where files are mixed: how far the frame is from that file on the way to the next one, 0 to less than 1.
-    /// Otherwise 0.
+    /// Where files are mixed: how far the frame is from that file on the way to the next one, 0 to
+    /// less than 1. Otherwise 0.
     double beyondAt(double frame) const;
     /// A frame that shows file number `file`; none where no frame does.
     std::optional<int> frameOf(int file) const;
 };
 
-/// A sum of gradient noises (Perlin 2002), of which each octave is finer and fainter. It depends on the place alone, so
-/// that it is the same in every frame, whatever the bounds of a grid.
+/// A sum of gradient noises (Perlin 2002), of which each octave is finer and fainter. It depends on
+/// the place alone, so that it is the same in every frame, whatever the bounds of a grid.
 struct Noise {
     double amount = 1;
     double frequency = 1;  ///< features per world unit, of the first octave
@@ -165,9 +165,9 @@ struct Shutter {
 /// Light that a medium emits. It lights only volumes in which light scatters more than once.
 struct Emission {
     std::string grid;
-    /// Maps grid values (ascending) to radiance per world unit: linear between points and constant outside of them, but
-    /// always 0 where the grid is 0. An empty ramp emits the grid value itself, in `color`. A blackbody is stored as a
-    /// ramp with a point every few Kelvin.
+    /// Maps grid values (ascending) to radiance per world unit: linear between points and constant
+    /// outside of them, but always 0 where the grid is 0. An empty ramp emits the grid value
+    /// itself, in `color`. A blackbody is stored as a ramp with a point every few Kelvin.
     std::vector<std::pair<double, Rgb>> ramp;
     Rgb color{1};                              ///< without a ramp: what a grid value of 1 emits
     double scale = 1;                          ///< factor on the ramp's values
@@ -318,14 +318,14 @@ struct Scene {
     std::optional<Lens> lens = {};        ///< none: everything is sharp
     bool movesWithin = false;             ///< some keyed value changes while the shutter is open
     std::string quality = "standard";     ///< name of the preset that `dials` started from
-    /// Texels and sheets are to be chosen so that the preset's promise holds; false where the scene states either of
-    /// them.
+    /// Texels and sheets are to be chosen so that the preset's promise holds; false where the scene
+    /// states either of them.
     bool keepsPromise = false;
     double tolerance = 0;  ///< relative RMSE for which texels and sheets are to be chosen; 0: `dials` count as they are
     SceneOutput output;
     std::vector<std::string> warnings = {};  ///< warnings by the reader, each with its place in the text
-    /// The places of all keys in the scene's text: "light.key.shadows" is at "scene.toml:12:3". Null for a scene built
-    /// in code.
+    /// The places of all keys in the scene's text: "light.key.shadows" is at "scene.toml:12:3".
+    /// Null for a scene built in code.
     std::shared_ptr<const SceneLines> lines = nullptr;
 };
 

@@ -24,8 +24,8 @@ std::string roffText(const std::string& text);
 /// A JSON schema (draft 2020-12) of scenes, for editors that check TOML.
 std::string sceneSchema();
 
-/// Every path that --set takes, with indices in place of the names of volumes and lights: "camera.fov",
-/// "light[0].slide.roll".
+/// Every path that --set takes, with indices in place of the names of volumes and lights:
+/// "camera.fov", "light[0].slide.roll".
 std::vector<std::string> scenePaths();
 
 }  // namespace scrim

@@ -78,12 +78,12 @@ std::vector<Item> readNamed(TomlTable& root, const Key& key, const Read& read) {
     return items;
 }
 
-/// The longest path of a key that is recorded. Keys of real scenes are shorter; a volume with an enormous name would
-/// have it repeated for each of its keys.
+/// The longest path of a key that is recorded. Keys of real scenes are shorter; a volume with an
+/// enormous name would have it repeated for each of its keys.
 constexpr std::size_t kLongestPath = 1000;
 
-/// Records the place of each key in `table` and in its inner tables, under the paths of SceneLines. Tables in lists go
-/// by their names, as in overrides.
+/// Records the place of each key in `table` and in its inner tables, under the paths of SceneLines.
+/// Tables in lists go by their names, as in overrides.
 void addLines(const toml::table& table, const std::string& prefix, std::map<std::string, std::string>& lines) {
     for (const auto& [key, node] : table) {
         const std::string path = prefix + std::string(key.str());
@@ -148,8 +148,8 @@ bool movesBetween(const toml::node& node, double begin, double end) {
     const toml::table* table = node.as_table();
     if (table == nullptr) return false;
     return std::any_of(table->begin(), table->end(), [&](const auto& entry) {
-        // The choice of a volume's file, and what is done to its grids, depend on the frame only, not on the moment
-        // within it.
+        // The choice of a volume's file, and what is done to its grids, depend on the frame only,
+        // not on the moment within it.
         const VolumeKeys& volume = keysOf<VolumeKeys>();
         const auto is = [&](const Key& key) { return entry.first.str() == key.name && entry.second.is_table(); };
         if (is(volume.frame) || is(volume.parameters) || is(volume.displacement) || is(keysOf<DensityKeys>().noise))
@@ -172,8 +172,8 @@ void leaveOutUnseen(Scene& scene) {
     }
 }
 
-/// Lets the points of volumes with a velocity be known wherever they pass while the shutter is open, or between two
-/// files.
+/// Lets the points of volumes with a velocity be known wherever they pass while the shutter is
+/// open, or between two files.
 void sweepPoints(Scene& scene) {
     for (SceneVolume& volume : scene.volumes) {
         if (!volume.velocity || volume.file.empty()) continue;

@@ -13,8 +13,8 @@
 namespace scrim {
 namespace {
 
-// The picture's axes in world space and half its extent along them, in world units (distant lights) or as tangents
-// (others).
+// The picture's axes in world space and half its extent along them, in world units (distant lights)
+// or as tangents (others).
 struct SlideFrame {
     Vec3 right, down;
     double halfWidth, halfHeight;
@@ -37,8 +37,8 @@ SlideFrame frameOf(const Light& light) {
     return frame;
 }
 
-// The index of a pixel along one axis of a level. Outside of the picture it is the border's pixel or, where the slide
-// repeats, the next copy's.
+// The index of a pixel along one axis of a level. Outside of the picture it is the border's pixel
+// or, where the slide repeats, the next copy's.
 int placed(long i, int size, SlideOutside outside) {
     if (outside != SlideOutside::repeat) return static_cast<int>(std::clamp(i, 0L, long(size) - 1));
     const long rest = i % size;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a light's slide falls: the projective map from the world to the slide's pixels (the light screen of ZC02
-// section 5), in double precision, and the slide's exact value at a point.
+// Where a light's slide falls: the projective map from the world to the slide's pixels (the light
+// screen of ZC02 section 5), in double precision, and the slide's exact value at a point.
 //
-// Slide coordinates count pixels of the picture: x to the right, y down, pixel (0, 0) covers [0, 1) x [0, 1). The
-// picture is upright and not mirrored for a viewer who stands at the light, looks along it and whose up is the light's
-// `up`.
+// Slide coordinates count pixels of the picture: x to the right, y down, pixel (0, 0) covers [0, 1)
+// x [0, 1). The picture is upright and not mirrored for a viewer who stands at the light, looks
+// along it and whose up is the light's `up`.
 #pragma once
 
 #include <scrim/geometry/sheets.h>
@@ -19,8 +19,8 @@ namespace scrim {
 /// The homogeneous slide position is (X, Y, W) = perWs * (ws - wsOrigin) + atOrigin, and the position is (X / W, Y /
 /// W). Where W <= 0 the point is behind the light, which does not shine there. Distant lights have W = 1 everywhere.
 struct SlideMap {
-    /// The map on sheets: (X, Y, W) = atOrigin + u perU + v perV + (N - middle) perN, with u and v in texels and N in
-    /// sheets.
+    /// The map on sheets: (X, Y, W) = atOrigin + u perU + v perV + (N - middle) perN, with u and v
+    /// in texels and N in sheets.
     struct OnSheet {
         Vec3 atOrigin{0, 0, 1}, perU{0}, perV{0}, perN{0};
     };
@@ -35,8 +35,8 @@ struct SlideMap {
 /// The map of a light whose slide has a loaded image.
 SlideMap slideMap(const Light& light);
 
-/// The factor by which the slide multiplies the light's intensity at `ws`: bilinear between the picture's pixels,
-/// however large a pixel is there.
+/// The factor by which the slide multiplies the light's intensity at `ws`: bilinear between the
+/// picture's pixels, however large a pixel is there.
 Rgb slideValue(const Light& light, const SlideMap& map, const Vec3& ws);
 
 /// The map on sheets, composed in double precision from the sheets' local origin.

@@ -22,8 +22,8 @@ constexpr int kDepths = 64, kAngles = 256;
 constexpr double kLeastTerm = 1e-4;  // relative to an even distribution over all directions
 constexpr int kMostMoments = 5000;   // the lobe of droplets of 50 micrometres has 3,000
 
-// The phase function with its narrowest lobes widened. Narrower ones are like a line here, forwards and backwards, and
-// would only cause divisions by zero.
+// The phase function with its narrowest lobes widened. Narrower ones are like a line here, forwards
+// and backwards, and would only cause divisions by zero.
 Phase heldLobes(Phase phase) {
     constexpr double kNarrowest = 0.9999;
     phase.g = std::clamp(phase.g, -kNarrowest, kNarrowest);
@@ -31,8 +31,8 @@ Phase heldLobes(Phase phase) {
     return phase;
 }
 
-// Moments of which the first two are `moments`. The series of all of them, times 1 - straight, is as close as can be to
-// the phase function at angles beyond kLobe, relative to it.
+// Moments of which the first two are `moments`. The series of all of them, times 1 - straight, is
+// as close as can be to the phase function at angles beyond kLobe, relative to it.
 std::vector<double> besideLobe(const Phase& phase, std::vector<double> moments, double straight) {
     constexpr std::size_t kKept = 2;
     constexpr double kLobe = 0.35;

@@ -16,8 +16,8 @@
 namespace scrim {
 namespace {
 
-// Limits on nesting. Each level costs the parser, and the destructor of its result, a few stack frames. Scenes need
-// about five levels.
+// Limits on nesting. Each level costs the parser, and the destructor of its result, a few stack
+// frames. Scenes need about five levels.
 constexpr int kMostBrackets = 32;
 constexpr int kMostKeyParts = 16;
 
@@ -45,8 +45,8 @@ std::size_t endOfString(const std::string& text, std::size_t i) {
     return i;
 }
 
-/// Refuses text whose nesting would exhaust the parser's stack. It reads the text as TOML up to the first mistake,
-/// where the parser stops, too.
+/// Refuses text whose nesting would exhaust the parser's stack. It reads the text as TOML up to the
+/// first mistake, where the parser stops, too.
 void checkNesting(const std::string& text, const std::string& file) {
     int brackets = 0, keyParts = 1, line = 1;
     const auto refuse = [&](const std::string& problem) {
@@ -257,8 +257,8 @@ class Override {
             table.erase(k.parameters.name);
     }
 
-    /// Puts the value into `table` and removes the keys that would contradict it: whoever sets a lens wants no field of
-    /// view.
+    /// Puts the value into `table` and removes the keys that would contradict it: whoever sets a
+    /// lens wants no field of view.
     void put(toml::table& table, const Section* section, std::size_t first) const {
         toml::table value = parsed(first);
         if (section != nullptr)

@@ -12,8 +12,8 @@ namespace scrim {
 /// "file:line:column", or "--set key.path" for a value from an override.
 std::string whereOf(const toml::source_region& region);
 
-/// Parses `text`; `file` starts every location. Throws Error(input) where the text is malformed, or nested so deeply
-/// that the parser could run out of stack.
+/// Parses `text`; `file` starts every location. Throws Error(input) where the text is malformed, or
+/// nested so deeply that the parser could run out of stack.
 toml::table parseToml(const std::string& text, const std::string& file);
 
 /// Applies "key.path=value" to `root`. A part of the path is a key, quoted where it contains characters other than

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: reads checked values out of TOML. A TomlValue knows its place in the text and its name, so that every error
-// about it is reported here in the same words. A TomlTable remembers which keys it was asked for; finish() then refuses
-// any other key.
+// Internal: reads checked values out of TOML. A TomlValue knows its place in the text and its name,
+// so that every error about it is reported here in the same words. A TomlTable remembers which keys
+// it was asked for; finish() then refuses any other key.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -40,8 +40,8 @@ class TomlValue {
     bool isArray() const { return m_node->is_array(); }
     bool isTable() const { return m_node->is_table(); }
 
-    /// Each value is checked against its key's range unless a range is passed. Items of a list have the key of the
-    /// list.
+    /// Each value is checked against its key's range unless a range is passed. Items of a list have
+    /// the key of the list.
     double number() const;
     double number(const Range& range) const;
     int integer() const;
@@ -83,8 +83,8 @@ class TomlValue {
 
 class TomlTable {
   public:
-    /// `description` names the table in messages: "[camera]". Throws where two keys exclude one another by `section`;
-    /// null: none do.
+    /// `description` names the table in messages: "[camera]". Throws where two keys exclude one
+    /// another by `section`; null: none do.
     TomlTable(const toml::table& table, std::string description, const Section* section = nullptr);
 
     std::string where() const { return whereOf(m_table->source()); }

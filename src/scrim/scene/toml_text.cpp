@@ -9,8 +9,8 @@
 namespace scrim {
 namespace {
 
-/// The number of bytes of the character that starts at `i`; 0 where none does (RFC 3629: no overlong forms, no
-/// surrogates, nothing beyond U+10FFFF).
+/// The number of bytes of the character that starts at `i`; 0 where none does (RFC 3629: no
+/// overlong forms, no surrogates, nothing beyond U+10FFFF).
 std::size_t characterAt(const std::string& text, std::size_t i) {
     const auto byte = [&](std::size_t k) -> unsigned {
         return k < text.size() ? static_cast<unsigned char>(text[k]) : 0;

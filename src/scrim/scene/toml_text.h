@@ -18,8 +18,8 @@ std::string tomlRounded(const Vec3& v, int exponent);
 
 /// `v` with `digits` significant digits.
 std::string tomlSignificant(double v, int digits);
-/// The number of bytes at the start of `text` that are valid UTF-8, which all TOML must be; all of them if `text` is
-/// valid.
+/// The number of bytes at the start of `text` that are valid UTF-8, which all TOML must be; all of
+/// them if `text` is valid.
 std::size_t utf8Length(const std::string& text);
 bool isUtf8(const std::string& text);
 

@@ -45,8 +45,8 @@ struct ViewEmission {
 struct ViewBalls {
     std::array<std::shared_ptr<const SparseField>, 3> place;  ///< x, y and z on that lattice's unit box
     std::shared_ptr<const SparseField> radius;                ///< in the asset's world; 0: there is no such point
-    /// Within a ball: times medium.densityScale, extinction. A disc has this opacity, or 1 if it is more, and sends out
-    /// what a world unit of its emission does.
+    /// Within a ball: times medium.densityScale, extinction. A disc has this opacity, or 1 if it is
+    /// more, and sends out what a world unit of its emission does.
     std::shared_ptr<const SparseField> density;
     std::vector<std::shared_ptr<const SparseField>> scatter = {};   ///< as ViewVolume::scatter
     std::vector<ViewEmission> emission = {};                        ///< within a ball; places do not count
@@ -64,8 +64,8 @@ struct ViewBalls {
     }
 };
 
-/// Velocities by which the reference, and nothing else, moves fields: at x it sees what the fields hold at x - wsPath
-/// velocity(x). The renderer gets fields that were moved beforehand.
+/// Velocities by which the reference, and nothing else, moves fields: at x it sees what the fields
+/// hold at x - wsPath velocity(x). The renderer gets fields that were moved beforehand.
 struct ViewVelocity {
     /// For each of x, y and z the field of positive and the field of negative values, as GridPart has them.
     std::vector<ViewField> parts;
@@ -81,8 +81,8 @@ struct ViewVelocity {
 struct VolumeMotion {
     /// Maps the volume's world space at this frame to that at the next one: the motion as a whole.
     Mat4 wsNextFromWs{1.0};
-    /// For each of x, y and z: density * (velocity - least), on the density's lattice. Empty: no velocity, or the
-    /// volume is seen as balls, which have their own.
+    /// For each of x, y and z: density * (velocity - least), on the density's lattice. Empty: no
+    /// velocity, or the volume is seen as balls, which have their own.
     std::vector<ViewField> flow = {};
     Vec3 least{0}, most{0};   ///< the grid's smallest and largest velocity
     Mat3 wsPerVelocity{0.0};  ///< converts a velocity to a displacement per frame in world space
@@ -110,8 +110,8 @@ struct ViewVolume {
     int place = -1;  ///< index into Scene::volumes, some of which may be culled; -1: its index in this scene
 };
 
-/// True if light scatters more than once in the volume. What a held-out volume scatters and emits reaches the others,
-/// too; only the eye does not see it.
+/// True if light scatters more than once in the volume. What a held-out volume scatters and emits
+/// reaches the others, too; only the eye does not see it.
 inline bool scattersFully(const ViewVolume& volume) {
     const bool full = volume.classified ? volume.classified->scatters : volume.medium.scattering == Scattering::full;
     return full && !volume.field->empty();
@@ -175,8 +175,8 @@ struct ViewScene {
     std::optional<ViewDeep> deep;      ///< none: the flat picture alone
     std::optional<ViewShutter> shutter;  ///< none: the scene has no shutter
     std::optional<ViewLens> lens;        ///< none: everything is sharp
-    /// Null: the picture shows one moment, which is this scene. Otherwise the picture is the mean over moments, and
-    /// this scene is one of them.
+    /// Null: the picture shows one moment, which is this scene. Otherwise the picture is the mean
+    /// over moments, and this scene is one of them.
     std::shared_ptr<const ViewMoments> moments;
     std::shared_ptr<const SceneLines> lines;  ///< the places of keys in the scene's text; may be null
     std::size_t memoryLimit = 0;              ///< bytes that buffers may take; 0: no limit
@@ -196,18 +196,18 @@ bool greyScattering(const ViewScene& scene);
 /// True if solids stop light.
 bool solidsBlock(const ViewScene& scene);
 
-/// True if solids block only lights without extent, and few of these: the edges of their shadows are sharp, and few
-/// enough to be resolved by pixels.
+/// True if solids block only lights without extent, and few of these: the edges of their shadows
+/// are sharp, and few enough to be resolved by pixels.
 bool sharpShadows(const ViewScene& scene);
 /// True if solids that stop light send back all colours alike.
 bool greySolids(const ViewScene& scene);
 
-/// The light whose layer shows `light`: the first one of its group, or itself. Both are indices into
-/// ViewScene::lights.
+/// The light whose layer shows `light`: the first one of its group, or itself. Both are indices
+/// into ViewScene::lights.
 int lightOfLayer(const ViewScene& scene, int light);
 
-/// The index into Scene::volumes of `volumes[i]` (its `place`, or `i` where that is -1), and the number of all volumes
-/// of the scene, culled ones included.
+/// The index into Scene::volumes of `volumes[i]` (its `place`, or `i` where that is -1), and the
+/// number of all volumes of the scene, culled ones included.
 int placeOf(const ViewScene& scene, std::size_t i);
 std::size_t placesOf(const ViewScene& scene);
 
@@ -224,8 +224,8 @@ inline bool litBy(const std::vector<bool>& lights, std::size_t light) {
     return lights.empty() || lights[light];
 }
 
-/// World-space corners of the boxes around a volume's fields, the kernels' reach included: eight for each field that is
-/// not empty. `kernel`: that of fields which have none of their own.
+/// World-space corners of the boxes around a volume's fields, the kernels' reach included: eight
+/// for each field that is not empty. `kernel`: that of fields which have none of their own.
 std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel);
 
 /// The largest radius of any field's kernel, voxels.
@@ -241,8 +241,8 @@ Bounds wsBounds(const ViewScene& scene);
 /// Where a quarter is empty at most, as between puffs of smoke, the size of the box.
 Vec3 wsOccupiedSize(const ViewScene& scene);
 
-/// True if alpha is not simply 1 - transmittance, because something hides without showing: a volume is held out, or a
-/// deep holdout picture is partly transparent.
+/// True if alpha is not simply 1 - transmittance, because something hides without showing: a volume
+/// is held out, or a deep holdout picture is partly transparent.
 bool holdsOut(const ViewScene& scene);
 
 /// The pixels of the whole picture, overscan included.

@@ -267,8 +267,8 @@ struct TransferKeys : SectionOf<TransferPoint> {
                                 .required();
 };
 
-/// The most that the albedo times a colour of a transfer function may be: 1, but for the rounding of colours that come
-/// from another space.
+/// The most that the albedo times a colour of a transfer function may be: 1, but for the rounding
+/// of colours that come from another space.
 inline constexpr double kMostScattered = 1 + 1e-5;
 
 struct ClassifiedKeys : SectionOf<Classified> {

@@ -91,8 +91,8 @@ VolumeFields detailOf(VolumeFields fields) {
     return fields;
 }
 
-// A volume with all fields that are derived from its grids; no value where all of it is empty. `view` is told what was
-// left out of it.
+// A volume with all fields that are derived from its grids; no value where all of it is empty.
+// `view` is told what was left out of it.
 std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields,
                                  VolumesOf volumesOf, CoarserLevels* levels, ViewScene& view) {
     const auto viewed = [&](FieldPointer field) {
@@ -286,8 +286,8 @@ std::vector<std::string> culledVolumes(const Scene& scene,
         boxes.push_back(
             {wsCorners[i], lightsNamed(scene, scene.volumes[i].lights), lightsNamed(scene, scene.volumes[i].shadows)});
     std::vector<std::string> reasons = culledVolumes(scene.camera, pictureOf(scene), scene.lights, boxes);
-    // Where light scatters more than once, any volume may light or shadow a volume in view. All are then kept, so that
-    // a crop equals a part of the whole picture.
+    // Where light scatters more than once, any volume may light or shadow a volume in view. All are
+    // then kept, so that a crop equals a part of the whole picture.
     bool couples = false;
     for (std::size_t i = 0; i < reasons.size(); ++i)
         couples = couples || (reasons[i].empty() && scene.volumes[i].medium.scattering == Scattering::full);

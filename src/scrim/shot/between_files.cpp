@@ -21,8 +21,8 @@ namespace {
 /// Most blocks that a field may get, which take 4 GB.
 constexpr std::size_t kMostBlocks = std::size_t{1} << 21;
 
-/// The places linear * (-time * velocity) away from the voxels of a block, and the box around them; both count from the
-/// first voxel.
+/// The places linear * (-time * velocity) away from the voxels of a block, and the box around them;
+/// both count from the first voxel.
 Bounds cameFrom(const Mat3& linear, double time, const BlockVectors& velocities, BlockVectors& at) {
     Bounds box;
     for (std::size_t i = 0; i < kBlockVoxels; ++i) {

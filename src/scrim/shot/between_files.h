@@ -31,9 +31,9 @@ class BetweenFields {
 
     const BetweenMoment& moment() const { return m_moment; }
 
-    /// (1 - part) * (first at the moment) + part * (second at the moment), on the lattice of `first`, or that of
-    /// `second` where `first` is empty. Throws Error(memory) where constant regions are too large for voxels of their
-    /// own.
+    /// (1 - part) * (first at the moment) + part * (second at the moment), on the lattice of
+    /// `first`, or that of `second` where `first` is empty. Throws Error(memory) where constant
+    /// regions are too large for voxels of their own.
     FieldPointer at(const FieldPointer& first, const FieldPointer& second) const;
 
   private:

@@ -31,8 +31,8 @@ namespace {
 /// the density has less part in that light.
 constexpr double kShown = 6e-3, kMostWay = 100;
 
-/// Beside blocks in which changes show, those that are this part as large are divided, too: there is less in blocks
-/// that a silhouette only touches.
+/// Beside blocks in which changes show, those that are this part as large are divided, too: there
+/// is less in blocks that a silhouette only touches.
 constexpr double kBeside = 0.1;
 
 /// If more of the blocks than this are to be divided, all are.
@@ -164,8 +164,8 @@ class Shaded {
     Mat3 m_isFromPlace{0};  // times the displacement's amount, to voxels of the grid
 };
 
-/// The finer blocks in which the field has values between its voxels; with `all` inside of its tiles, too, which are
-/// constant. Sorted.
+/// The finer blocks in which the field has values between its voxels; with `all` inside of its
+/// tiles, too, which are constant. Sorted.
 std::vector<Int3> blocksOf(const SparseField& field, int times, bool all) {
     std::vector<Int3> found;
     const auto unite = [&] {
@@ -413,8 +413,8 @@ DetailedDensity detailedDensity(const DetailSource& source) {
     if (blocks.shown.size() > kMostBlocks) tooMany(*source.grid, source.times);
     const FieldPointer left = undivided(*whole, Divided(*whole, blocks, source.times));
     const Between kept(*left, source.times);
-    // Divided voxels give way to finer ones by their part of what lies between voxels, so that the sum is that of all
-    // voxels where shading changes nothing.
+    // Divided voxels give way to finer ones by their part of what lies between voxels, so that the
+    // sum is that of all voxels where shading changes nothing.
     const auto fill = [&](std::size_t b, float* to) {
         Values sum, rest;
         const Int3& origin = blocks.shown[b];

@@ -45,16 +45,16 @@ struct DetailedDensity {
     FieldPointer finer;   ///< on voxels of 1 / DetailSource::times of the edge, every so many of which lie on one voxel
 };
 
-/// Divides voxels as far as it shows; all of them, if that is about half of them. Throws Error(memory) where that takes
-/// too many.
+/// Divides voxels as far as it shows; all of them, if that is about half of them. Throws
+/// Error(memory) where that takes too many.
 DetailedDensity detailedDensity(const DetailSource& source);
 
-/// By how much voxels have to be divided so that two of them fit a feature of the noise's finest octave: 1, 2 or 4.
-/// `edge`: of a voxel, in the noise's space.
+/// By how much voxels have to be divided so that two of them fit a feature of the noise's finest
+/// octave: 1, 2 or 4. `edge`: of a voxel, in the noise's space.
 int timesFor(const Noise& noise, double edge);
 
-/// The detail that `volume`, a volume of `scene`, asks for, with the fields left out but for `grid`; no value where it
-/// asks for none.
+/// The detail that `volume`, a volume of `scene`, asks for, with the fields left out but for
+/// `grid`; no value where it asks for none.
 std::optional<DetailSource> detailOf(const Scene& scene, const SceneVolume& volume, const FieldPointer& grid);
 
 /// Makes the detail of densities, and keeps it as long as the next frame needs it, too.

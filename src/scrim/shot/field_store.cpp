@@ -20,8 +20,8 @@
 namespace scrim {
 namespace {
 
-/// True if anything is computed from a volume's density, or if nothing at all is computed from the volume: then the
-/// density is read all the same, so that it is checked.
+/// True if anything is computed from a volume's density, or if nothing at all is computed from the
+/// volume: then the density is read all the same, so that it is checked.
 bool usesDensity(const SceneVolume& volume) {
     return volume.densityScale != 0 || volume.classified || volume.emission.empty();
 }
@@ -168,8 +168,8 @@ bool FieldStore::listsPoints(const Scene& scene, const SceneVolume& volume, cons
            canSeeBalls(volume) && holdsPoints(file.path);
 }
 
-/// The fields that were read ahead, if they are exactly these and no error occurred. An error is not reported here: the
-/// file is read again at its regular time, and reports it then.
+/// The fields that were read ahead, if they are exactly these and no error occurred. An error is
+/// not reported here: the file is read again at its regular time, and reports it then.
 std::optional<std::vector<SparseField>> FieldStore::readBefore(const std::string& path,
                                                                const std::vector<GridRequest>& requests,
                                                                const GridEdit* edit) {

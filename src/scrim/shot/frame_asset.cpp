@@ -34,8 +34,8 @@ std::vector<std::string> allFiles(const FramePath& path, const std::string& name
     return files;
 }
 
-/// The first, middle and last file of a sequence. They show how far it reaches and do not depend on the frames that a
-/// task of a farm renders.
+/// The first, middle and last file of a sequence. They show how far it reaches and do not depend on
+/// the frames that a task of a farm renders.
 std::vector<std::string> filesToFrame(const std::vector<std::string>& all) {
     std::vector<std::string> files;
     for (const std::string& file : {all.front(), all[all.size() / 2], all.back()})
@@ -49,8 +49,8 @@ double sizeOf(const SparseField& field) {
     return size.x * size.x + size.y * size.y + size.z * size.z;
 }
 
-/// What a file's header says without reading the grids; empty where the file is of an old version or was written to a
-/// pipe.
+/// What a file's header says without reading the grids; empty where the file is of an old version
+/// or was written to a pipe.
 VdbLayout headOf(const std::string& file) {
     try {
         return checkVdbLayout(VdbBytes(file));
@@ -121,8 +121,8 @@ std::optional<FramedFire> fireOf(FieldStore& store, const std::vector<std::strin
     return FramedFire{grid, field.get(), field->maxValue};
 }
 
-/// True for caches of Blender's fluids (Mantaflow), which do not name their creator, by the grids that all of them
-/// have.
+/// True for caches of Blender's fluids (Mantaflow), which do not name their creator, by the grids
+/// that all of them have.
 bool isFluidCache(const VdbLayout& head) {
     return has(head, "density") && has(head, "shadow") && has(head, "velocity");
 }
@@ -171,8 +171,8 @@ bool rises(const SparseField& smoke, const SparseField& fire) {
     return rise.z > kPart * std::sqrt(sizeOf(smoke)) && rise.z > 2 * std::abs(rise.y);
 }
 
-/// Simulations leave tiny values where there is no smoke. Beside smoke they are set aside. Alone they are still shown,
-/// since only the artist knows; so are huge values.
+/// Simulations leave tiny values where there is no smoke. Beside smoke they are set aside. Alone
+/// they are still shown, since only the artist knows; so are huge values.
 void sayResidue(const std::string& path, const SparseField& density, const MessageSink& messages) {
     constexpr float kLittle = 1e-6f, kMuch = 1e6f;  // caches hold smoke of 0.01 to 100, also in kg / m^3
     constexpr double kWorthSaying = 0.1;            // fraction of the voxels

@@ -20,12 +20,12 @@ struct AssetOptions {
     std::string window = {};   ///< the window that overrides give a scan (scanLook); "": none
 };
 
-/// The scene's text before the asset is read, without the numbers that depend on it. `pattern`: the asset's path as a
-/// scene names it.
+/// The scene's text before the asset is read, without the numbers that depend on it. `pattern`: the
+/// asset's path as a scene names it.
 std::string unframedText(const std::string& pattern, const AssetOptions& options);
 
-/// The scene's text. Loads the fields it shows into `store`; reports which way is up where that was guessed, and which
-/// grids are not shown. `path`: for messages. Throws Error.
+/// The scene's text. Loads the fields it shows into `store`; reports which way is up where that was
+/// guessed, and which grids are not shown. `path`: for messages. Throws Error.
 std::string framedText(FieldStore& store, const std::string& path, const std::string& pattern,
                        const AssetOptions& options, const MessageSink& messages);
 

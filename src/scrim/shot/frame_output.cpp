@@ -122,8 +122,8 @@ void addMattes(ShotFrame::Content& content, std::vector<FrameLayer> opacities) {
     }
 }
 
-/// True for layers that hold a fraction of light in each working-space channel: 1 where nothing is in the way. They are
-/// not colours and are not converted.
+/// True for layers that hold a fraction of light in each working-space channel: 1 where nothing is
+/// in the way. They are not colours and are not converted.
 bool isShare(Layer layer) {
     return layer == Layer::transmittance || layer == Layer::shadow;
 }
@@ -220,8 +220,8 @@ void takeFrame(ShotFrame::Content& content, Frame frame) {
             if (opacity.volume == volume) addAlpha(content.layers.back(), opacity.data);
     }
     if (holds(wanted, Layer::cryptomatte)) addMattes(content, std::move(opacities));
-    // Values are checked here, and once more wherever they are converted, so that no file, preview or array holds
-    // anything but finite numbers.
+    // Values are checked here, and once more wherever they are converted, so that no file, preview
+    // or array holds anything but finite numbers.
     const int number = content.report.frame;
     checkFinite(number, content.image.window, kRgba, content.image.rgba);
     for (const ShotLayer& layer : content.layers) checkFinite(number, content.image.window, layer.channels, layer.data);
@@ -243,8 +243,8 @@ std::size_t writeFrame(const ShotFrame::Content& content, const OutputFile& outp
         layers.push_back(exrLayer(content, i, output.colorspace));
         if (converts)
             checkFinite(content.report.frame, content.image.window, layers.back().channels, layers.back().data);
-        // Where nothing is in the way the value is 1, but readers take pixels outside of the data window for 0.
-        // Therefore the whole window is written.
+        // Where nothing is in the way the value is 1, but readers take pixels outside of the data
+        // window for 0. Therefore the whole window is written.
         options.wholeWindow = options.wholeWindow || isShare(content.kinds[i]);
     }
     const ExrAttributes attributes = attributesOf(content, holds(output.layers, Layer::cryptomatte));

@@ -32,8 +32,8 @@ struct ShotFrame::Content {
 /// Takes the picture and the layers of `frame`. Throws Error(render) where any value is infinite or NaN.
 void takeFrame(ShotFrame::Content& content, Frame frame);
 
-/// Writes an OpenEXR file with what `file` asks for, but to `path`. Returns the number of values that were clamped.
-/// Throws Error.
+/// Writes an OpenEXR file with what `file` asks for, but to `path`. Returns the number of values
+/// that were clamped. Throws Error.
 std::size_t writeFrame(const ShotFrame::Content& content, const OutputFile& file, const std::string& path);
 
 /// Writes the deep picture, which must exist. Returns the number of values that were clamped. Throws Error.

@@ -28,8 +28,8 @@ std::string pointText(double value, const char* color, double extinction) {
                        tomlSignificant(extinction, 3));
 }
 
-/// True if the file gives the patient's position. Converters of test data (8 bit, a spacing of exactly 1) write a space
-/// that the data never had.
+/// True if the file gives the patient's position. Converters of test data (8 bit, a spacing of
+/// exactly 1) write a space that the data never had.
 bool isStated(const ScanInfo& info) {
     const bool converted =
         info.sampleType == "uint8" && lowerCase(info.path).ends_with(".nrrd") && Mat3(info.wsFromIs) == Mat3(1.0);

@@ -8,8 +8,8 @@
 namespace scrim {
 namespace {
 
-// All that the picture is linear in. What emits without a ramp does so by the product of two of these, which becomes
-// one.
+// All that the picture is linear in. What emits without a ramp does so by the product of two of
+// these, which becomes one.
 std::vector<double*> brightnesses(Scene& scene) {
     std::vector<double*> all;
     const auto add = [&](Rgb& colour) {

@@ -43,8 +43,8 @@ std::string missingText(int frame, const std::string& problem, MissingPolicy pol
                                          : fmt::format("frame {}: black instead: {}", frame, problem);
 }
 
-/// Applies the policy for missing files: returns false where the frame is skipped, and turns missing files into black
-/// ones where they are allowed.
+/// Applies the policy for missing files: returns false where the frame is skipped, and turns
+/// missing files into black ones where they are allowed.
 bool allowsMissing(int frame, std::vector<VolumeFile>& files, const RenderOptions& options, ShotUse use) {
     for (VolumeFile& file : files) {
         if (file.state != FileState::missing) continue;

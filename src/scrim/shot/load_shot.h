@@ -47,18 +47,18 @@ struct LoadedShot {
     Scene sceneAt(double t) const;
     /// The scene one frame after that, as far as its text tells: camera and places of volumes.
     Scene nextAt(double t) const;
-    /// The fields with the times by which velocities move them until `t` frames after the frame, and in the frame
-    /// after.
+    /// The fields with the times by which velocities move them until `t` frames after the frame,
+    /// and in the frame after.
     Fields fieldsAt(double t) const;
 
-    /// The scene `t` frames after the frame, with its fields where the files have them and without the data of the
-    /// layer `motion`. `lod` is the dial's value.
+    /// The scene `t` frames after the frame, with its fields where the files have them and without
+    /// the data of the layer `motion`. `lod` is the dial's value.
     ViewScene viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf) const;
     /// The same of `at`, a scene of that time.
     ViewScene viewOf(Scene at, double t, const RenderOptions& options, double lod, VolumesOf volumesOf) const;
 
-    /// The scene that the engine renders, with `lod` as the dial's value. Throws Error(memory) where volumes and slides
-    /// leave nothing of the options' limit.
+    /// The scene that the engine renders, with `lod` as the dial's value. Throws Error(memory)
+    /// where volumes and slides leave nothing of the options' limit.
     ViewScene view(const RenderOptions& options, double lod, VolumesOf volumesOf) const;
 };
 
@@ -70,12 +70,12 @@ LoadOptions limited(LoadOptions load, const RenderOptions& options);
 /// Makes `store` load as `load` and `options` say.
 void listenTo(FieldStore& store, const LoadOptions& load, const RenderOptions& options);
 
-/// The scene with the changes that the options ask for, checked (scene/check_scene.h). A scene that was built in code
-/// gets defaults for what it leaves out.
+/// The scene with the changes that the options ask for, checked (scene/check_scene.h). A scene that
+/// was built in code gets defaults for what it leaves out.
 Scene withOptions(Scene scene, const RenderOptions& options, const ShotStores& stores);
 
-/// Loads all files that `scene` names. Returns no value where a file is missing and the frame is to be skipped; the
-/// message about that depends on `use`.
+/// Loads all files that `scene` names. Returns no value where a file is missing and the frame is to
+/// be skipped; the message about that depends on `use`.
 std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, Scene scene,
                                    const RenderOptions& options, VolumesOf volumesOf, ShotUse use);
 

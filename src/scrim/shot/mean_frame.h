@@ -11,8 +11,8 @@ namespace scrim {
 
 class MeanFrame {
   public:
-    /// The mean of `count` frames. `deepTolerance`: how much the deep picture may change because its samples are
-    /// merged.
+    /// The mean of `count` frames. `deepTolerance`: how much the deep picture may change because
+    /// its samples are merged.
     explicit MeanFrame(int count, double deepTolerance = 0)
         : m_weight(1.0f / static_cast<float>(count)), m_deepTolerance(deepTolerance) {}
 

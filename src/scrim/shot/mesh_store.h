@@ -16,9 +16,9 @@ namespace scrim {
 
 class MeshStore {
   public:
-    /// Loads the triangles of every mesh of `scene` that names a file, and forgets meshes of the previous frame that
-    /// this one does not use. A guarded load calls `checkpoint` while it waits. Throws Error "scene.toml:12:8: mesh
-    /// 'actor': ...".
+    /// Loads the triangles of every mesh of `scene` that names a file, and forgets meshes of the
+    /// previous frame that this one does not use. A guarded load calls `checkpoint` while it waits.
+    /// Throws Error "scene.toml:12:8: mesh 'actor': ...".
     void loadInto(Scene& scene, const LoadOptions& load, const Checkpoint& checkpoint);
 
     /// Memory of the meshes and of the trees that rays need.

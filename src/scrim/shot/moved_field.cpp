@@ -15,8 +15,8 @@
 namespace scrim {
 namespace {
 
-// Where the values of a block come from, in index space from its first voxel on, when they have moved by `linear` times
-// (time * velocity - mean). Returns the box around it.
+// Where the values of a block come from, in index space from its first voxel on, when they have
+// moved by `linear` times (time * velocity - mean). Returns the box around it.
 Bounds cameFrom(const Mat3& linear, double time, const Vec3& mean, const BlockVectors& velocities, BlockVectors& at) {
     const auto& [vx, vy, vz] = velocities;
     const Vec3 shift = linear * mean;

@@ -81,8 +81,8 @@ void warnOfCappedLights(const ViewScene& view, const MessageSink& messages) {
                                light.name, kMostSubLights, view.dials.lightError));
 }
 
-/// Warns of skies whose detail is lost: multiply scattered light uses a few directions, and each receives the mean of
-/// its part of the sky.
+/// Warns of skies whose detail is lost: multiply scattered light uses a few directions, and each
+/// receives the mean of its part of the sky.
 void warnOfBlurredSkies(const ViewScene& view, const Plan& plan, const MessageSink& messages) {
     if (const std::string skies = blurredSkies(view, plan.transport); !skies.empty())
         notify(messages, Severity::warning,

@@ -44,9 +44,9 @@ struct ScanMaterials {
     bool hounsfield = false;  ///< the thresholds come from the units, not from the histogram
 };
 
-/// For a scan in Hounsfield units (air lies below -500), the thresholds of tissue and bone. For others, the two
-/// thresholds that best divide the histogram into three classes (Otsu 1979, equation 23), as far as it has enough
-/// values.
+/// For a scan in Hounsfield units (air lies below -500), the thresholds of tissue and bone. For
+/// others, the two thresholds that best divide the histogram into three classes (Otsu 1979,
+/// equation 23), as far as it has enough values.
 ScanMaterials materialsOf(const ScanInfo& info);
 
 /// The histogram as `columns` columns of bars, `rows` lines high, with logarithmic heights; no line break at the end.

@@ -171,8 +171,8 @@ int Shot::Content::richestFrame(const Scene& scene) const {
     }
     const auto richest =
         std::max_element(bytes.begin(), bytes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    // Where the scene moves, one fixed frame decides for all; otherwise farm tasks of one frame each would decide
-    // differently.
+    // Where the scene moves, one fixed frame decides for all; otherwise farm tasks of one frame
+    // each would decide differently.
     if (richest == bytes.end()) return scene.moves && !scene.plate ? 1 : static_cast<int>(scene.frame);
     return richest->first;
 }
@@ -227,8 +227,8 @@ double Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Sh
                                                chooses ? viewAt : std::function<ViewScene(double)>()));
             });
         } catch (const Error& error) {
-            // An error in a file is reported when its own frame is rendered. Until then the preset's dials are those of
-            // an average scene.
+            // An error in a file is reported when its own frame is rendered. Until then the
+            // preset's dials are those of an average scene.
             if (error.kind() != ErrorKind::input) throw;
             return pilots;
         }
@@ -269,8 +269,8 @@ ShotPlan Shot::Content::plan(Scene scene, const RenderOptions& options) {
 void Shot::Content::readAhead(const RenderOptions& options, const LoadedShot& loaded, VolumesOf volumesOf,
                               std::size_t buffers) {
     if (!text || !options.next) return;
-    // Memory beside a field while a child reads one: the child needs about as much for the tree as for the field it
-    // makes.
+    // Memory beside a field while a child reads one: the child needs about as much for the tree as
+    // for the field it makes.
     constexpr std::size_t kFieldsBeside = 3;
     const std::size_t bytes = kFieldsBeside * bytesOf(loaded.fields) + loaded.slideBytes + buffers;
     if (options.memory > 0 && bytes >= options.memory) return;

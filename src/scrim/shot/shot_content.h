@@ -41,13 +41,13 @@ struct Shot::Content {
     void keepText(LoadedShot& loaded, const RenderOptions& options);
     /// A scene that was changed in code: its values are no longer keyed, and only velocities move it.
     static Scene byHand(Scene scene);
-    /// The existing frame whose files are largest. Without sequences it is frame 1 for a scene that moves by its text,
-    /// else the scene's own frame.
+    /// The existing frame whose files are largest. Without sequences it is frame 1 for a scene that
+    /// moves by its text, else the scene's own frame.
     int richestFrame(const Scene& scene) const;
 
     ShotPlan plan(Scene scene, const RenderOptions& options);
-    /// Starts reading the files that `options.next` needs, if they fit into memory beside `loaded` and `buffers`
-    /// (bytes).
+    /// Starts reading the files that `options.next` needs, if they fit into memory beside `loaded`
+    /// and `buffers` (bytes).
     void readAhead(const RenderOptions& options, const LoadedShot& loaded, VolumesOf volumesOf, std::size_t buffers);
     /// `seconds`: the time that reading the scene took.
     ShotFrame render(Scene scene, double seconds, const RenderOptions& options);

@@ -9,8 +9,8 @@
 
 namespace scrim {
 
-/// The files of `frames`, all existing files of sequences, and the shot's own file. Throws Error(input) where the scene
-/// is wrong at one of the frames.
+/// The files of `frames`, all existing files of sequences, and the shot's own file. Throws
+/// Error(input) where the scene is wrong at one of the frames.
 std::vector<SceneFile> filesReadBy(const Shot& shot, const std::vector<int>& frames);
 
 }  // namespace scrim

@@ -53,8 +53,8 @@ struct VerificationReport {
     double worst = 0;            ///< RMS difference of one pixel over the mean reference
     int worstX = 0, worstY = 0;  ///< that pixel
     int edge = 1;  ///< what is called a pixel here is the mean over a square of `edge` x `edge` pixels, see its corner
-    /// Root mean square and largest difference of layers of caught shadows, whose values lie in [0, 1], where solids
-    /// show; 0 where none do.
+    /// Root mean square and largest difference of layers of caught shadows, whose values lie in [0,
+    /// 1], where solids show; 0 where none do.
     double caughtError = 0, caughtWorst = 0;
     int caughtValues = 0;
     std::vector<ExaminedPixel> examined;  ///< those that counted, in the order in which they were drawn
@@ -104,13 +104,13 @@ class ShotFrame {
     /// True if MissingPolicy::skip left the frame out; there is no picture then.
     bool skipped() const;
 
-    /// The picture: premultiplied, scene-linear, in the working space. It covers the picture with its overscan, or the
-    /// crop.
+    /// The picture: premultiplied, scene-linear, in the working space. It covers the picture with
+    /// its overscan, or the crop.
     const Image& image() const;
 
-    /// The names of the layers that the scene asks for, in its order; one for each light or volume: "light.key". Layers
-    /// are in the working space, except for depth (world units along the viewing axis) and motion (pixels per frame, to
-    /// the right and up).
+    /// The names of the layers that the scene asks for, in its order; one for each light or volume:
+    /// "light.key". Layers are in the working space, except for depth (world units along the
+    /// viewing axis) and motion (pixels per frame, to the right and up).
     std::vector<std::string> layerNames() const;
     /// Throws Error(usage), which lists the names, where there is no such layer.
     const ShotLayer& layer(const std::string& name) const;
@@ -125,17 +125,17 @@ class ShotFrame {
     /// True if the scene asks for a deep picture.
     bool hasDeep() const;
 
-    /// Writes the deep picture: an OpenEXR file of volume samples with the same metadata, in the type that the scene's
-    /// output states for it. `path` is as in `write`; "" stands for the scene's own deep file. Throws Error(usage)
-    /// where there is no deep picture.
+    /// Writes the deep picture: an OpenEXR file of volume samples with the same metadata, in the
+    /// type that the scene's output states for it. `path` is as in `write`; "" stands for the
+    /// scene's own deep file. Throws Error(usage) where there is no deep picture.
     void writeDeep(const std::string& path = "", const MessageSink& messages = {});
 
-    /// The picture that previews are laid over, stretched to the display window, in the working space. Without pixels
-    /// where the scene's preview has none.
+    /// The picture that previews are laid over, stretched to the display window, in the working
+    /// space. Without pixels where the scene's preview has none.
     Image backplate() const;
 
-    /// Writes the picture as a display shows it, as PNG or in the format of the extension. "" stands for the scene's
-    /// own preview file.
+    /// Writes the picture as a display shows it, as PNG or in the format of the extension. ""
+    /// stands for the scene's own preview file.
     void preview(const std::string& path = "");
 
     struct Content;

@@ -105,8 +105,8 @@ Scene seenFrom(const Vec2& place, Scene scene) {
     return scene;
 }
 
-// The longest displacement by velocities, in world units, but for a few fast voxels, which are no reason for a hundred
-// renders.
+// The longest displacement by velocities, in world units, but for a few fast voxels, which are no
+// reason for a hundred renders.
 class UsualWays {
   public:
     void include(const ViewScene& view) {
@@ -119,8 +119,8 @@ class UsualWays {
             }
     }
     double longest() const { return m_longest; }
-    // The usual and the longest displacement of the volume whose fastest voxels are farthest beyond the usual; both are
-    // 0 where no volume has such voxels.
+    // The usual and the longest displacement of the volume whose fastest voxels are farthest beyond
+    // the usual; both are 0 where no volume has such voxels.
     const std::pair<double, double>& outlier() const { return m_outlier; }
 
   private:
@@ -140,8 +140,8 @@ class UsualWays {
     std::pair<double, double> m_outlier{0, 0};
 };
 
-// How long the ways by velocities are at these moments, one after the other, over how far they lead from the places at
-// the frame: 1 from there straight on, 2 to and fro.
+// How long the ways by velocities are at these moments, one after the other, over how far they lead
+// from the places at the frame: 1 from there straight on, 2 to and fro.
 double waysPerReach(const std::vector<Fields>& moments) {
     double most = 1;
     for (std::size_t v = 0; v < moments.front().size(); ++v) {
@@ -218,8 +218,8 @@ ViewScene ShotMotion::Moments::inPlace(double t, const Scene& at) const {
     return out;
 }
 
-// Lets balls be drawn along their ways from the begin of a moment to its end, seen by a camera that moves along its
-// own.
+// Lets balls be drawn along their ways from the begin of a moment to its end, seen by a camera that
+// moves along its own.
 void ShotMotion::Moments::drawWays(const Moment& moment, ViewScene& view) const {
     if (std::ranges::none_of(view.volumes, [](const ViewVolume& volume) { return volume.balls != nullptr; })) return;
     const std::array<double, 2> times{moment.time - 0.5 * moment.span, moment.time + 0.5 * moment.span};
@@ -281,8 +281,8 @@ ShotMotion::ShotMotion(const LoadedShot& shot, const RenderOptions& options) : m
 
 ShotMotion::~ShotMotion() = default;
 
-// With a lens alone, the places are a sunflower's seeds; if things move, too, moments are in the order of time, and
-// each has a place of an evenly spread set (M. Roberts' R2).
+// With a lens alone, the places are a sunflower's seeds; if things move, too, moments are in the
+// order of time, and each has a place of an evenly spread set (M. Roberts' R2).
 Moment ShotMotion::momentOf(int i, int count) const {
     Moment moment;
     moment.time = m_shutter.open + (i + 0.5) / count * (m_shutter.close - m_shutter.open);
@@ -410,8 +410,8 @@ double ShotMotion::promised() const {
 // hand tell what they leave in it, if there are enough moments to pay for these.
 void ShotMotion::chooseDials() {
     constexpr int kFewest = 4;
-    // The mean of four moments or more has 0.4 to 0.8 of the error of each in most scenes. Where only lights move, or
-    // edges move along themselves, it has 0.95 of it.
+    // The mean of four moments or more has 0.4 to 0.8 of the error of each in most scenes. Where
+    // only lights move, or edges move along themselves, it has 0.95 of it.
     constexpr double kOfMoment = 0.8;
     const Scene& scene = m_shot.scene;
     if (!scene.keepsPromise || m_samples < kFewest) return;
@@ -429,15 +429,15 @@ void ShotMotion::chooseDials() {
 
 // Motion blur may take kBlurPart of the error that is promised.
 int ShotMotion::samplesFor(double path) const {
-    // Steps of one voxel are off by about 1.2 % of a cloud that is sharp at every voxel, and steps of s voxels by s^2
-    // times that; the hard edges of solids by about a fifth of a step. That is the most renders; most pictures need far
-    // fewer.
+    // Steps of one voxel are off by about 1.2 % of a cloud that is sharp at every voxel, and steps
+    // of s voxels by s^2 times that; the hard edges of solids by about a fifth of a step. That is
+    // the most renders; most pictures need far fewer.
     constexpr double kOfVoxelSteps = 0.012, kOfHardSteps = 0.14, kLeast = 4;
     const double error = kBlurPart * promised();
     double most = std::max(path / m_voxelPixels / std::sqrt(error / kOfVoxelSteps), kLeast);
     if (m_shot.solids) most = std::max(most, kOfHardSteps / error);
-    // Places on the lens that are s voxels apart are off by 2.8 % times s^2: 8 of them by 2.5 %, of a block that is
-    // hard at every voxel and blurred to 3 voxels.
+    // Places on the lens that are s voxels apart are off by 2.8 % times s^2: 8 of them by 2.5 %, of
+    // a block that is hard at every voxel and blurred to 3 voxels.
     constexpr double kOfPlaces = 0.028;
     const bool lens = m_shot.scene.lens.has_value();
     // A lamp or mesh that is seen is as sharp as pixels are.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A loaded shot while its shutter is open, and from all places on its lens: its views moment by moment, and the picture
-// that is their mean. The radiance of whole renders is averaged, so that occlusion and shadows are right at every
-// moment.
+// A loaded shot while its shutter is open, and from all places on its lens: its views moment by
+// moment, and the picture that is their mean. The radiance of whole renders is averaged, so that
+// occlusion and shadows are right at every moment.
 #pragma once
 
 #include <scrim/engine/model/frame.h>
@@ -27,14 +27,14 @@ class ShotMotion {
     /// The number of renders that the picture averages.
     int samples() const { return m_samples; }
 
-    /// The view in the middle of the shutter, with the shutter's data for the plan and the dials of each moment. Throws
-    /// Error.
+    /// The view in the middle of the shutter, with the shutter's data for the plan and the dials of
+    /// each moment. Throws Error.
     ViewScene view() const;
     /// The scene that the picture is compared with.
     ViewScene truth() const;
 
-    /// Plans and renders the samples with the dials of `view`, and returns their mean. `plan`: that of `view`. Depth is
-    /// the nearest one, mean depth is averaged by opacity. Throws Error.
+    /// Plans and renders the samples with the dials of `view`, and returns their mean. `plan`: that
+    /// of `view`. Depth is the nearest one, mean depth is averaged by opacity. Throws Error.
     Frame render(const ViewScene& view, const Plan& plan, const ProgressSink& progress) const;
 
   private:

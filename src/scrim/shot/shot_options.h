@@ -77,14 +77,14 @@ struct RenderOptions {
 
     /// Receives the finished fraction of the frame, 0 to 1. If it returns false, the work ends with Error(interrupted).
     ProgressSink progress;
-    /// Called often while files are loaded and sources run; it may throw an Error to stop the work. Without one,
-    /// `progress` is called with 0 instead.
+    /// Called often while files are loaded and sources run; it may throw an Error to stop the work.
+    /// Without one, `progress` is called with 0 instead.
     Checkpoint checkpoint;
     /// Receives warnings and notes.
     MessageSink messages;
 
-    /// Receives the picture while it is made: premultiplied, scene-linear, in the working space. With a tolerance it
-    /// receives each attempt, with motion blur the mean of the moments so far.
+    /// Receives the picture while it is made: premultiplied, scene-linear, in the working space.
+    /// With a tolerance it receives each attempt, with motion blur the mean of the moments so far.
     PictureSink shown;
 
     /// Changes the scene before the files that it names are loaded.

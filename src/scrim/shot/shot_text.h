@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text behind a shot: that of a scene file, or one that is generated for an asset, so that all later code deals
-// with scenes only.
+// The text behind a shot: that of a scene file, or one that is generated for an asset, so that all
+// later code deals with scenes only.
 #pragma once
 
 #include <scrim/image/colour.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of lights' slides and of the preview's backplate, and the profiles of luminaires. They are read once and
-// kept as long as the next frame shows them, too.
+// The pictures of lights' slides and of the preview's backplate, and the profiles of luminaires.
+// They are read once and kept as long as the next frame shows them, too.
 #pragma once
 
 #include <scrim/base/messages.h>

@@ -11,8 +11,8 @@
 
 namespace scrim {
 
-/// True if `map` leads from the voxels of a lattice to those of another that has the same axes, so that the lattices
-/// differ by a shift at most.
+/// True if `map` leads from the voxels of a lattice to those of another that has the same axes, so
+/// that the lattices differ by a shift at most.
 inline bool keepsAxes(const Mat4& map) {
     constexpr double kRounding = 1e-9;
     for (int axis = 0; axis < 3; ++axis)

@@ -55,8 +55,8 @@ Vec3 VelocityParts::mean(const SparseField& field) const {
         Vec3 v{0};
         double weight = 0;
     };
-    // Outliers are left out: a voxel or two may be a million times as fast as all others, and must not shift the whole
-    // lattice.
+    // Outliers are left out: a voxel or two may be a million times as fast as all others, and must
+    // not shift the whole lattice.
     Bounds usual;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         usual.upper[int(axis)] = usualMost(m_maps[2 * axis].field());
@@ -128,8 +128,8 @@ BlockVectors VelocityParts::velocitiesAt(const Mat4& wsFromIs, const Int3& origi
     return velocities;
 }
 
-// Where the velocity is 0, all voxels move by the same displacement; elsewhere the velocity has blocks. No block lies
-// further away than the largest displacement.
+// Where the velocity is 0, all voxels move by the same displacement; elsewhere the velocity has
+// blocks. No block lies further away than the largest displacement.
 std::vector<Int3> VelocityParts::blocksOf(const FieldMap& from, const Mat4& wsFromIs,
                                           const std::function<Bounds(Bounds)>& ways, double time, bool bent) const {
     std::vector<Int3> found;

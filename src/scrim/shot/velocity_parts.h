@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What moves fields by a velocity is built from: a field that can be sampled and whose largest values are known, and
-// the six fields of a velocity. moved_field.h moves fields while the shutter is open, between_files.h carries them from
-// one file of a sequence towards the next.
+// What moves fields by a velocity is built from: a field that can be sampled and whose largest
+// values are known, and the six fields of a velocity. moved_field.h moves fields while the shutter
+// is open, between_files.h carries them from one file of a sequence towards the next.
 #pragma once
 
 #include <scrim/geometry/bounds.h>
@@ -18,8 +18,8 @@
 
 namespace scrim {
 
-/// A field that can be sampled, with the largest value of each block and tile. It refers to the field, which must
-/// outlive it. Safe to use from many threads at once.
+/// A field that can be sampled, with the largest value of each block and tile. It refers to the
+/// field, which must outlive it. Safe to use from many threads at once.
 class FieldMap {
   public:
     explicit FieldMap(const SparseField& field)
@@ -106,12 +106,12 @@ class VelocityParts {
     /// The velocity at a point of asset space.
     Vec3 at(const Vec3& ws) const;
 
-    /// Adds to `velocities` the velocities at the voxels of the block whose first voxel is `origin`. `wsFromIs` belongs
-    /// to the block.
+    /// Adds to `velocities` the velocities at the voxels of the block whose first voxel is
+    /// `origin`. `wsFromIs` belongs to the block.
     void addVelocities(const Mat4& wsFromIs, const Int3& origin, FieldBrick& brick, BlockVectors& velocities) const;
 
-    /// The velocities at the points `at`, which count from voxel `origin` and are within `is`, in the index space whose
-    /// place is `wsFromIs`.
+    /// The velocities at the points `at`, which count from voxel `origin` and are within `is`, in
+    /// the index space whose place is `wsFromIs`.
     BlockVectors velocitiesAt(const Mat4& wsFromIs, const Int3& origin, const BlockVectors& at, const Bounds& is,
                               FieldBrick& brick) const;
 

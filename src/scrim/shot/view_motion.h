@@ -10,9 +10,9 @@ namespace scrim {
 /// True if the scene asks for the layer `motion`.
 bool wantsMotion(const Scene& scene);
 
-/// Fills in the motion of `view`, which shows `now`; `next` is the same scene one frame later by its keyed values.
-/// Velocity grids come from `fields`. Fields derived from them count against the view's memory limit. Does nothing
-/// where the layer is not wanted.
+/// Fills in the motion of `view`, which shows `now`; `next` is the same scene one frame later by
+/// its keyed values. Velocity grids come from `fields`. Fields derived from them count against the
+/// view's memory limit. Does nothing where the layer is not wanted.
 void addMotion(ViewScene& view, const Scene& now, const Scene& next, const Fields& fields);
 
 }  // namespace scrim

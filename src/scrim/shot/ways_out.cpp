@@ -56,9 +56,9 @@ void WaysOut::addCells(const SparseField& field) {
                 for (int z = 0; z < tile.edge; z += kBlockEdge) add(tile.origin + Int3(x, y, z), nullptr, tile.value);
 }
 
-// A way into a cell comes in last from beyond the cells around it, and passes one of these. From there on it is at
-// least a cell's edge long, and nowhere thinner than they are. So the shortest way to a cell is no shorter than that to
-// some cell around it, and that edge.
+// A way into a cell comes in last from beyond the cells around it, and passes one of these. From
+// there on it is at least a cell's edge long, and nowhere thinner than they are. So the shortest
+// way to a cell is no shorter than that to some cell around it, and that edge.
 double WaysOut::acrossAround(const Int3& cell, double depth) const {
     float thinnest = std::numeric_limits<float>::max();
     forNeighbours(cell, [&](const Int3& beside) {

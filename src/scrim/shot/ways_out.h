@@ -15,8 +15,8 @@ namespace scrim {
 class WaysOut {
   public:
     WaysOut() = default;  ///< all places are at the surface
-    /// `depth`: of a density of 1 along the shortest edge of a voxel. `inside`: voxels that eyes or lights are near,
-    /// which count as outside.
+    /// `depth`: of a density of 1 along the shortest edge of a voxel. `inside`: voxels that eyes or
+    /// lights are near, which count as outside.
     WaysOut(const SparseField& field, double depth, const std::vector<Int3>& inside);
     /// The least of all places in the box of the voxels `lower` to `upper`.
     double to(const Int3& lower, const Int3& upper) const;

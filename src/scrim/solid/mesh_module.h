@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: the interface of the module `scrim_meshes`. Assimp brings readers for forty formats, so the module is
-// loaded only where a mesh is read: in a child of `scrim-load`, or in this process where loading is not guarded. The
-// module uses nothing of Scrim but this header.
+// Internal: the interface of the module `scrim_meshes`. Assimp brings readers for forty formats, so
+// the module is loaded only where a mesh is read: in a child of `scrim-load`, or in this process
+// where loading is not guarded. The module uses nothing of Scrim but this header.
 #pragma once
 
 #include <scrim/solid/triangle_mesh.h>
@@ -17,8 +17,8 @@ struct FileMesh {
 };
 
 struct MeshModule {
-    /// Reads an OBJ or PLY file. `alone`: this process was made for that and sets itself limits. A damaged file may
-    /// crash it.
+    /// Reads an OBJ or PLY file. `alone`: this process was made for that and sets itself limits. A
+    /// damaged file may crash it.
     FileMesh (*read)(const std::string& path, bool alone);
 };
 

@@ -62,8 +62,8 @@ void divide(std::span<MeshPiece> pieces, int parts, std::vector<MeshPart>& out) 
     divide(pieces.subspan(first), parts - lower, out);
 }
 
-// The pieces by the direction they face, if there are few: the sides of a box, or both sides of a sheet, which lie
-// where they would be taken for one part. Otherwise all of them are one facet.
+// The pieces by the direction they face, if there are few: the sides of a box, or both sides of a
+// sheet, which lie where they would be taken for one part. Otherwise all of them are one facet.
 std::vector<MeshPart> facetsOf(const MeshPart& pieces) {
     constexpr double kAlike = 0.95;
     constexpr std::size_t kMostFacets = 12;

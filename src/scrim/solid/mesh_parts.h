@@ -30,10 +30,10 @@ struct PartShape {
 };
 PartShape shapeOf(const MeshPart& part);
 
-/// Divides the mesh into about `count` compact parts of about the same area, fewer if there are fewer pieces, and
-/// leaves out those that have nothing of `box` in front of them. No part reaches over the edges of a mesh with few
-/// facets. Large triangles are cut. Where there are more than 64 triangles a part, pieces are drawn at places spread
-/// evenly over the mesh.
+/// Divides the mesh into about `count` compact parts of about the same area, fewer if there are
+/// fewer pieces, and leaves out those that have nothing of `box` in front of them. No part reaches
+/// over the edges of a mesh with few facets. Large triangles are cut. Where there are more than 64
+/// triangles a part, pieces are drawn at places spread evenly over the mesh.
 std::vector<MeshPart> meshParts(const TriangleMesh& mesh, const Bounds& box, int count);
 
 }  // namespace scrim

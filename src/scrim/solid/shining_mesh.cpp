@@ -100,8 +100,8 @@ ShiningMesh::Node ShiningMesh::around(std::uint32_t first, std::uint32_t count) 
     return node;
 }
 
-// Puts the half of the triangles in front whose places are lower along the axis along which they differ most, or whose
-// normals are, if those differ more.
+// Puts the half of the triangles in front whose places are lower along the axis along which they
+// differ most, or whose normals are, if those differ more.
 void ShiningMesh::split(const Node& node, double size) {
     Bounds places, normals;
     for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
@@ -142,9 +142,9 @@ double ShiningMesh::weightOf(const Node& node, const Vec3& ws) const {
     return sum;
 }
 
-// A node within an angle a as seen from `ws`, whose normals are within b of an axis, is turned towards it where the
-// axis is within 90 - a - b degrees of the way to the place, and away from it where that is beyond 90 + a + b. Towards
-// it are only nodes that are small beside their distance.
+// A node within an angle a as seen from `ws`, whose normals are within b of an axis, is turned
+// towards it where the axis is within 90 - a - b degrees of the way to the place, and away from it
+// where that is beyond 90 + a + b. Towards it are only nodes that are small beside their distance.
 ShiningMesh::Turned ShiningMesh::turned(const Node& node, const Vec3& ws, double size) const {
     constexpr double kRounding = 1e-9;
     const Vec3 way = ws - node.middle;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The triangles of a mesh that shines, in a tree: what they send to a place, how far away they are and where a way
-// crosses them is found without a look at each.
+// The triangles of a mesh that shines, in a tree: what they send to a place, how far away they are
+// and where a way crosses them is found without a look at each.
 #pragma once
 
 #include <scrim/solid/triangle_mesh.h>
@@ -37,9 +37,9 @@ class ShiningMesh {
     /// triangle with that place in front of it has a chance. Nothing where there is none. `seen`: from `ws`.
     std::optional<Choice> choose(const Seen& seen, const Vec3& ws, double part) const;
 
-    /// Calls ofPart(place, area) for parts of the mesh that are far from `ws` beside their size and wholly turned
-    /// towards it, with their middle and the sum of their areas along their normals, and ofTriangle(number) for all
-    /// other triangles of which some may be turned towards it.
+    /// Calls ofPart(place, area) for parts of the mesh that are far from `ws` beside their size and
+    /// wholly turned towards it, with their middle and the sum of their areas along their normals,
+    /// and ofTriangle(number) for all other triangles of which some may be turned towards it.
     template <class OfPart, class OfTriangle>
     void visit(const Vec3& ws, const OfPart& ofPart, const OfTriangle& ofTriangle) const;
     /// To the nearest triangle, within a tenth; infinite where there is none.
@@ -76,8 +76,8 @@ class ShiningMesh {
     std::vector<Node> m_nodes;
 };
 
-// Calls whole(node, how it is turned) for the largest nodes that are wholly turned towards `ws` and whose radius is
-// smaller than `size` times the distance, and for leaves.
+// Calls whole(node, how it is turned) for the largest nodes that are wholly turned towards `ws` and
+// whose radius is smaller than `size` times the distance, and for leaves.
 template <class Whole>
 void ShiningMesh::collect(std::uint32_t index, const Vec3& ws, double size, const Whole& whole) const {
     const Node& node = m_nodes[index];

@@ -62,10 +62,10 @@ class Solids {
     /// World-space box around all solids of that role; empty where there are none.
     const Bounds& wsBounds(SolidRole role) const;
 
-    /// The intersection with the least t in [begin, end] at which wsOrigin + t wsDirection meets a surface of a solid
-    /// of that role, from either side. The direction has any length but 0. t is exact to the last digits of a double if
-    /// the surface is hit at all. Which triangle an edge belongs to is decided in floats, relative to the centre of the
-    /// solids.
+    /// The intersection with the least t in [begin, end] at which wsOrigin + t wsDirection meets a
+    /// surface of a solid of that role, from either side. The direction has any length but 0. t is
+    /// exact to the last digits of a double if the surface is hit at all. Which triangle an edge
+    /// belongs to is decided in floats, relative to the centre of the solids.
     SolidHit trace(SolidRole role, const Vec3& wsOrigin, const Vec3& wsDirection, double begin, double end) const;
 
     /// The t of that intersection.

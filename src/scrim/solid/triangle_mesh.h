@@ -28,8 +28,8 @@ struct TriangleMesh {
 /// Turns every triangle over.
 void turnOver(TriangleMesh& mesh);
 
-/// True if the mesh is closed, all its triangles are turned alike, and their corners are clockwise as seen from
-/// outside. Points at the same place count as one.
+/// True if the mesh is closed, all its triangles are turned alike, and their corners are clockwise
+/// as seen from outside. Points at the same place count as one.
 bool isInsideOut(const TriangleMesh& mesh);
 
 /// Draws places on a mesh, evenly by area. Keeps a reference to the mesh.

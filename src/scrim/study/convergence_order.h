@@ -13,9 +13,9 @@ struct DialDistance {
     double distance = 0;
 };
 
-/// The order p for which the distances fit C (size^p - finest^p) best, by least squares of logarithms. `finest` is in
-/// the formula because the finest picture is not the limit itself. No value where fewer than two distances differ from
-/// 0.
+/// The order p for which the distances fit C (size^p - finest^p) best, by least squares of
+/// logarithms. `finest` is in the formula because the finest picture is not the limit itself. No
+/// value where fewer than two distances differ from 0.
 std::optional<double> convergenceOrder(const std::vector<DialDistance>& distances, double finest);
 
 }  // namespace scrim

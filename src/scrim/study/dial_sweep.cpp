@@ -48,8 +48,8 @@ std::string differenceName(const Dials& dials, const Dials& base) {
     return name.empty() ? "the scene's own" : name;
 }
 
-// The dials that are varied along the front. The others are of no use there: they change what is shown, or serve
-// comparison only.
+// The dials that are varied along the front. The others are of no use there: they change what is
+// shown, or serve comparison only.
 constexpr std::array<std::string_view, 8> kTuned{"footprint_steps", "shadow_texel",      "shadow_filter",
                                                  "shade",           "max_slant",         "opacity_cutoff",
                                                  "scatter_cell",    "scatter_directions"};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The settings that a study tries: every dial alone around the scene's own setting, the presets, and sheets and texels
-// jointly.
+// The settings that a study tries: every dial alone around the scene's own setting, the presets,
+// and sheets and texels jointly.
 #pragma once
 
 #include <scrim/study/trial.h>
@@ -21,8 +21,8 @@ struct DialSweep {
     std::optional<double> order;  ///< the measured order, see convergenceOrder
 };
 
-/// Sweeps for all dials that a study varies, still without trials. `scattering`: also for those of light that scatters
-/// more than once.
+/// Sweeps for all dials that a study varies, still without trials. `scattering`: also for those of
+/// light that scatters more than once.
 std::vector<DialSweep> dialSweeps(bool scattering);
 
 /// The index of `dials` in `trials`, to which they are added if they are missing.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How steady the frames of a shot are: each is rendered as it is, and once more with finer dials, which stands for the
-// truth.
+// How steady the frames of a shot are: each is rendered as it is, and once more with finer dials,
+// which stands for the truth.
 #pragma once
 
 #include <scrim/shot/shot.h>
@@ -34,9 +34,9 @@ class ShotSteadiness {
         int mostPixels = 256;
     };
 
-    /// Chooses the dials of the shot at `frame`. Missing files are errors, whatever `rendering` says. Throws Error: of
-    /// kind usage where nothing in the scene changes from frame to frame, or where a tolerance chooses other dials for
-    /// each frame; and as rendering does.
+    /// Chooses the dials of the shot at `frame`. Missing files are errors, whatever `rendering`
+    /// says. Throws Error: of kind usage where nothing in the scene changes from frame to frame, or
+    /// where a tolerance chooses other dials for each frame; and as rendering does.
     ShotSteadiness(Shot& shot, int frame, const RenderOptions& rendering, const Options& options);
 
     /// Renders the next frame twice. Frames must follow one another. Throws as rendering does.

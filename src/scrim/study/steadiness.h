@@ -19,14 +19,14 @@ struct SteadyLayer {
     std::vector<float> rgb;
 };
 
-/// Root mean squares of second differences over R, G and B, relative to the mean of the converged layer over all frames
-/// and pixels that count.
+/// Root mean squares of second differences over R, G and B, relative to the mean of the converged
+/// layer over all frames and pixels that count.
 struct SecondDifferences {
     double shown = 0;      ///< of the frames
     double converged = 0;  ///< of the converged frames
     double excess = 0;     ///< of the difference between the two
-    /// The difference itself, no second difference. One that is new in each frame has an excess of 2.4 times of it, one
-    /// that stands has none.
+    /// The difference itself, no second difference. One that is new in each frame has an excess of
+    /// 2.4 times of it, one that stands has none.
     double error = 0;
 };
 
@@ -48,8 +48,8 @@ class SteadinessMeter {
     /// `width`: pixels in a row.
     explicit SteadinessMeter(int width) : m_width(width) {}
 
-    /// Adds a frame. Both lists have the same layers in every call, in one order and of one size. Throws Error(input)
-    /// where they have not.
+    /// Adds a frame. Both lists have the same layers in every call, in one order and of one size.
+    /// Throws Error(input) where they have not.
     void add(int frame, std::vector<SteadyLayer> shown, std::vector<SteadyLayer> converged);
 
     /// One for each layer; at least three frames must have been added, else nothing counts.

@@ -8,9 +8,9 @@
 
 namespace scrim {
 
-/// A table with one line for each layer and each frame but the first and the last: second differences of the frames and
-/// of the converged ones, the excess, and the error, relative to the layer's mean. The line of a layer without a frame
-/// is that of all frames.
+/// A table with one line for each layer and each frame but the first and the last: second
+/// differences of the frames and of the converged ones, the excess, and the error, relative to the
+/// layer's mean. The line of a layer without a frame is that of all frames.
 std::string steadinessAsCsv(const ShotSteadinessResult& result);
 
 /// All of the result. `scene`: the name of the scene.

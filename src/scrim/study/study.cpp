@@ -163,8 +163,8 @@ void Run::tryOnce(Trial& trial) {
     trial.run = true;
 }
 
-// Tries the fastest settings first, so that a budget leaves out as few as possible, and settings with other kernels,
-// which need references of their own, last.
+// Tries the fastest settings first, so that a budget leaves out as few as possible, and settings
+// with other kernels, which need references of their own, last.
 void Run::tryAll(std::size_t first, double from, double to) {
     std::vector<Trial>& trials = m_study.trials;
     std::vector<std::pair<double, std::size_t>> order;
@@ -197,8 +197,8 @@ void Run::repeat() {
     }
 }
 
-// RMS distance from the finest picture over the first `counted` reference pixels that show something. It does not
-// contain the error of other dials.
+// RMS distance from the finest picture over the first `counted` reference pixels that show
+// something. It does not contain the error of other dials.
 double distance(const Trial& a, const Trial& b, int counted) {
     double squares = 0;
     for (std::size_t i = 0; i < a.seen.size(); ++i)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures what accuracy costs on a scene: settings of the dials are rendered, timed and compared with the brute-force
-// reference.
+// Measures what accuracy costs on a scene: settings of the dials are rendered, timed and compared
+// with the brute-force reference.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -52,8 +52,8 @@ struct Study {
     int threads = 0;
 };
 
-/// Studies the scene around the dials `base`. Throws Error: as rendering does, and of kind render where the picture is
-/// empty.
+/// Studies the scene around the dials `base`. Throws Error: as rendering does, and of kind render
+/// where the picture is empty.
 Study runStudy(const SceneWith& sceneWith, const Dials& base, const StudyOptions& options,
                const ProgressSink& progress = {});
 

@@ -8,8 +8,8 @@
 
 namespace scrim {
 
-/// A table with one line for each trial: setting, error with its 95 % interval, bias, worst pixel, median, least and
-/// most seconds, repeats, counts of work, and every dial's value.
+/// A table with one line for each trial: setting, error with its 95 % interval, bias, worst pixel,
+/// median, least and most seconds, repeats, counts of work, and every dial's value.
 std::string studyAsCsv(const Study& study);
 
 /// All of the study. `scene`: the name of the scene.

@@ -32,20 +32,20 @@ struct Trial {
 /// True if two settings would render the same picture.
 bool sameDials(const Dials& a, const Dials& b);
 
-/// Trials with exactly the same counts of work take the same time, whatever was measured. Gives each of them the
-/// repeats of all.
+/// Trials with exactly the same counts of work take the same time, whatever was measured. Gives
+/// each of them the repeats of all.
 void shareTimes(std::vector<Trial>& trials);
 
-/// True if `a` is slower than `b` by more than noise: its median is larger by a tenth, and each of its repeats is
-/// slower than every repeat of `b`.
+/// True if `a` is slower than `b` by more than noise: its median is larger by a tenth, and each of
+/// its repeats is slower than every repeat of `b`.
 bool isSlower(const Trial& a, const Trial& b);
 
-/// Marks the trials that no other trial beats in both speed and accuracy, among those of `kernel` that were run;
-/// returns their indices from fast to accurate.
+/// Marks the trials that no other trial beats in both speed and accuracy, among those of `kernel`
+/// that were run; returns their indices from fast to accurate.
 std::vector<std::size_t> markFront(std::vector<Trial>& trials, Kernel kernel);
 
-/// The index of the fastest trial whose error is at most `tolerance`, among those of `kernel` that were run; of trials
-/// with equal times, the first.
+/// The index of the fastest trial whose error is at most `tolerance`, among those of `kernel` that
+/// were run; of trials with equal times, the first.
 std::optional<std::size_t> cheapestWithin(const std::vector<Trial>& trials, Kernel kernel, double tolerance);
 
 }  // namespace scrim

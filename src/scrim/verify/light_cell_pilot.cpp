@@ -83,8 +83,8 @@ bool mayDiffer(const ViewScene& scene) {
            });
 }
 
-// What cells leave of the picture, by how many times as large as the plan's they are. Cells twice and four times as
-// large differ by `ofSmallest` and `ofOthers`.
+// What cells leave of the picture, by how many times as large as the plan's they are. Cells twice
+// and four times as large differ by `ofSmallest` and `ofOthers`.
 struct LeftByCells {
     double ofSmallest, ofOthers;
 
@@ -123,8 +123,8 @@ class Cheapest {
     std::optional<LightCellChoice> m_best;
 };
 
-// True if a point or a sphere is on cells: what shines from elsewhere throws softer shadows than cells have edges. (A
-// glowing mesh beside a ball in haze left 0.99 %, where 3 were foreseen.)
+// True if a point or a sphere is on cells: what shines from elsewhere throws softer shadows than
+// cells have edges. (A glowing mesh beside a ball in haze left 0.99 %, where 3 were foreseen.)
 bool anyLamp(const ViewScene& scene, const CellLightPlan& plan) {
     return std::ranges::any_of(plan.lights, [&](int i) { return isLamp(scene.lights[std::size_t(i)]); });
 }
@@ -154,8 +154,8 @@ std::optional<LightCellChoice> smallerCells(const LeftByCells& left, double erro
 }
 
 std::optional<LightCellChoice> exactChoice(const ViewScene& given, double error, double worthwhile) {
-    // The pilot's cells are two and four times as large as the plan's, and have few directions: they take about a tenth
-    // of the time.
+    // The pilot's cells are two and four times as large as the plan's, and have few directions:
+    // they take about a tenth of the time.
     constexpr double kFine = 2, kCoarse = 4;
     if (!mayDiffer(given)) return std::nullopt;
     ViewScene scene = given;

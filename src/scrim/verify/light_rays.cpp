@@ -21,16 +21,16 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The first t > 0 at which origin + t direction, both across the axis, meets a circle from outside; infinity if it does
-// not.
+// The first t > 0 at which origin + t direction, both across the axis, meets a circle from outside;
+// infinity if it does not.
 double meetsCircle(const Vec2& origin, const Vec2& direction, double radius) {
     const double a = glm::dot(direction, direction), b = glm::dot(origin, direction);
     const double c = glm::dot(origin, origin) - radius * radius, root = b * b - a * c;
     return a == 0 || c <= 0 || root < 0 || b > 0 ? kInfinity : (-b - std::sqrt(root)) / a;
 }
 
-// What is seen of a sun's disk or of a surface that shines from `ws` in a direction (unit); nothing beside it. Not for
-// domes and meshes.
+// What is seen of a sun's disk or of a surface that shines from `ws` in a direction (unit); nothing
+// beside it. Not for domes and meshes.
 struct SeenLight {
     Rgb radiance{0};  // but for a picture
     double distance = kInfinity;
@@ -72,8 +72,8 @@ double depthOfCone(const Light::Area& area) {
     return 1 - std::cos(glm::radians(0.5 * area.spread));
 }
 
-// Maps a point of the unit square to a direction around `axis`, uniformly over the solid angle of the cone whose half
-// angle has 1 - cos = `depth`.
+// Maps a point of the unit square to a direction around `axis`, uniformly over the solid angle of
+// the cone whose half angle has 1 - cos = `depth`.
 Vec3 inCone(const Vec3& axis, double depth, const Vec2& p) {
     const Mat3 frame = frameAround(axis);
     const double lower = p.x * depth, r = std::sqrt(std::max(0.0, lower * (2 - lower)));
@@ -154,8 +154,8 @@ LightRay LightRays::fromRectangle(const Vec3& ws, const Vec2& square) const {
     if (z >= 0) return {};
     const double w = 0.5 * area.width, h = 0.5 * area.height;
     const SphericalRectangle seen(x - w, y - h, x + w, y + h, z);
-    // At such a distance the angles of the corners cancel to nothing, and the solid angle is taken as area over
-    // distance squared.
+    // At such a distance the angles of the corners cancel to nothing, and the solid angle is taken
+    // as area over distance squared.
     constexpr double kTiny = 1e-6;
     const double r2 = glm::dot(to, to);
     const double plain = area.area() * -z / (r2 * std::sqrt(r2));
@@ -169,8 +169,8 @@ LightRay LightRays::fromRectangle(const Vec3& ws, const Vec2& square) const {
     return {hit / distance, distance, radiance * solidAngle};
 }
 
-// Polar coordinates around the foot of the perpendicular from the point: the angle there and the cosine to the
-// perpendicular.
+// Polar coordinates around the foot of the perpendicular from the point: the angle there and the
+// cosine to the perpendicular.
 LightRay LightRays::fromDisk(const Vec3& ws, const Vec2& square) const {
     const double radius = m_light.area()->radius;
     const Vec3 from = ws - m_light.wsPosition;
@@ -196,9 +196,9 @@ LightRay LightRays::fromDisk(const Vec3& ws, const Vec2& square) const {
     return {direction, height / cosAt, m_light.intensity * (aslant * perSquare * (near - far))};
 }
 
-// By the solid angle: an angle across the axis, and the sine of that to the plane across it, which lies between those
-// to the ends. Points that are spread over the surface would leave out what is next to `ws`, where most of its light
-// comes from.
+// By the solid angle: an angle across the axis, and the sine of that to the plane across it, which
+// lies between those to the ends. Points that are spread over the surface would leave out what is
+// next to `ws`, where most of its light comes from.
 LightRay LightRays::fromCylinder(const Vec3& ws, const Vec2& square) const {
     const Light::Area& area = *m_light.area();
     const Vec3 from = ws - m_light.wsPosition;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rays that an extended light sends to one point: a map from the unit square onto all directions in which the light
-// is seen from there, with the radiance that comes from each. An integral over the square is an integral over the light
-// as it is, without any sub-lights.
+// The rays that an extended light sends to one point: a map from the unit square onto all
+// directions in which the light is seen from there, with the radiance that comes from each. An
+// integral over the square is an integral over the light as it is, without any sub-lights.
 #pragma once
 
 #include <scrim/scene/light.h>
@@ -29,8 +29,8 @@ class LightRays {
     /// `light` must be extended, must have its picture loaded, and must outlive this object.
     explicit LightRays(const Light& light);
 
-    /// The ray for a point of the unit square [0, 1) x [0, 1). The mean of its weight over the square is the integral
-    /// of radiance over the solid angle that the light fills at `ws`.
+    /// The ray for a point of the unit square [0, 1) x [0, 1). The mean of its weight over the
+    /// square is the integral of radiance over the solid angle that the light fills at `ws`.
     LightRay ray(const Vec3& ws, const Vec2& square) const;
     /// Those of several points of the square, which takes less time than one by one. Rays without light are left out.
     std::vector<LightRay> rays(const Vec3& ws, std::span<const Vec2> squares) const;
@@ -58,8 +58,8 @@ class LightRays {
     ShiningMesh m_mesh;  // small triangles
     // For a dome's picture: running sums of light over rows, and over the pixels of each row.
     std::vector<double> m_rows, m_pixels;
-    // A dome's sun that is not in its picture, its direction, 1 - cos of its radius, and the part of the square that is
-    // the sun's: that of its light.
+    // A dome's sun that is not in its picture, its direction, 1 - cos of its radius, and the part
+    // of the square that is the sun's: that of its light.
     const SkySun* m_sun = nullptr;
     Vec3 m_toSun{0};
     double m_sunDepth = 0, m_sunPart = 0;

@@ -17,13 +17,13 @@ namespace {
 
 constexpr int kEdge = 150;  // pixels
 
-// The dials of the pilots, relative to those of a still: the first pilot has about the dials that are chosen, and the
-// other two have coarser texels or coarser sheets.
+// The dials of the pilots, relative to those of a still: the first pilot has about the dials that
+// are chosen, and the other two have coarser texels or coarser sheets.
 constexpr double kFirst = 1.4, kCoarserTexels = 1.5, kCoarserSheets = 2;
 
-// The errors of two settings are alike in part: what edges lose is, where they fall between texels is not. With this
-// correlation the errors of texels came out at 0.4, 0.6 and 0.9 % for the comet, a ball and a slab with hard edges,
-// whose stills had 0.4, 0.5 and 0.95 % of both.
+// The errors of two settings are alike in part: what edges lose is, where they fall between texels
+// is not. With this correlation the errors of texels came out at 0.4, 0.6 and 0.9 % for the comet,
+// a ball and a slab with hard edges, whose stills had 0.4, 0.5 and 0.95 % of both.
 constexpr double kAlike = 0.5;
 
 double power(double x) {

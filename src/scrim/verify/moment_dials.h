@@ -9,12 +9,12 @@
 
 namespace scrim {
 
-/// The error that texels and sheets leave in `moment`, from three small pictures of it. It does not depend on crops,
-/// threads or memory. Throws Error.
+/// The error that texels and sheets leave in `moment`, from three small pictures of it. It does not
+/// depend on crops, threads or memory. Throws Error.
 ToleranceModel momentModel(const ViewScene& moment, const ProgressSink& progress = {});
 
-/// The dials of `moment` with the texels and sheets that take the least time among those whose error by `model` is at
-/// most `allowed` (relative RMSE), and none finer than they are.
+/// The dials of `moment` with the texels and sheets that take the least time among those whose
+/// error by `model` is at most `allowed` (relative RMSE), and none finer than they are.
 Dials momentDials(const ViewScene& moment, const ToleranceModel& model, double allowed,
                   const ProgressSink& progress = {});
 

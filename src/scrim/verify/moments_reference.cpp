@@ -19,8 +19,8 @@ using Rgba = std::array<double, 4>;
 
 constexpr std::size_t kMostIntervals = 256;             // 512 moments
 constexpr int kPaths = 2048, kMostPaths = 16 * kPaths;  // for multiply scattered light, of a pixel or a square
-// The noise, relative to the mean, that more paths are taken for. With this noise in 100 squares, the interval of an
-// error of 2 % reaches from about 1.5 to 2.5 %.
+// The noise, relative to the mean, that more paths are taken for. With this noise in 100 squares,
+// the interval of an error of 2 % reaches from about 1.5 to 2.5 %.
 constexpr double kNoise = 0.02;
 constexpr double kChange = 1e-3;  // convergence threshold, relative to the brightest mean
 
@@ -56,8 +56,8 @@ MomentsReference::MomentsReference(const ViewScene& truth) : m_truth(truth), m_p
         still.paths = std::make_unique<const PathTracer>(truth, &m_samplers);
         return;
     }
-    // If the limit of 24 intervals allows it, nothing travels further than about two pixels between two moments of the
-    // first level.
+    // If the limit of 24 intervals allows it, nothing travels further than about two pixels between
+    // two moments of the first level.
     m_intervals = static_cast<std::size_t>(std::clamp(truth.moments->path / 4, truth.moments->lens ? 16.0 : 3.0, 24.0));
 }
 

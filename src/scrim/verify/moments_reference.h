@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference for a picture that a shutter or a lens blurs: the mean of true pictures over time, by Gauss' rule with
-// two points on more and more intervals, and over the lens, until a pixel stops changing. It does not depend on how the
-// picture was rendered.
+// The reference for a picture that a shutter or a lens blurs: the mean of true pictures over time,
+// by Gauss' rule with two points on more and more intervals, and over the lens, until a pixel stops
+// changing. It does not depend on how the picture was rendered.
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -18,8 +18,8 @@
 
 namespace scrim {
 
-/// Throws Error(usage) where the reference sees something else than the picture shows: it marches through voxels, and
-/// not through points that are balls.
+/// Throws Error(usage) where the reference sees something else than the picture shows: it marches
+/// through voxels, and not through points that are balls.
 void checkVerifiable(const ViewScene& truth);
 
 class MomentsReference {

@@ -271,8 +271,8 @@ bool PathTracer::scatter(const Vec3& ws, Vec3& direction, bool first, bool& once
     return true;
 }
 
-// The same for a path that meets a solid, which is lit by all lights: Lambert's law, with directions drawn by their
-// cosine.
+// The same for a path that meets a solid, which is lit by all lights: Lambert's law, with
+// directions drawn by their cosine.
 bool PathTracer::sendBack(const SolidHit& hit, Vec3& ws, Vec3& direction, Rgb& weight, Rgb& sum, Random& random) const {
     weight *= hit.solid->albedo;
     if (largest(weight) <= 0) return false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small pictures that tell how a scene's error falls with a dial: two of them at different settings differ by about the
-// error of the coarser one.
+// Small pictures that tell how a scene's error falls with a dial: two of them at different settings
+// differ by about the error of the coarser one.
 #pragma once
 
 #include <scrim/image/image.h>

@@ -88,9 +88,9 @@ class PilotScene {
         chooseWeights(like, anyEmits(scene));
     }
 
-    // Radiance of ray `number` of the pilots through the field and through texels of it, and alpha; all 0 where the ray
-    // meets nothing. `thickness`: the sum over the ray of the optical depths of voxels, weighted by the radiance that
-    // comes from there.
+    // Radiance of ray `number` of the pilots through the field and through texels of it, and alpha;
+    // all 0 where the ray meets nothing. `thickness`: the sum over the ray of the optical depths of
+    // voxels, weighted by the radiance that comes from there.
     struct Seen {
         double exact = 0, texels = 0, alpha = 0, alphaTexels = 0, thickness = 0;
     };
@@ -200,8 +200,8 @@ class PilotScene {
         for (const PilotVolume& volume : m_volumes) most = std::max(most, volume.step);
         m_even = most <= kAlike * m_step * m_voxel || m_volumes.size() > kMany;
     }
-    // Calls visit(t, length) for the steps of a ray, each as long as the finest volume there asks for, until it returns
-    // false. Nothing is visited outside of all volumes.
+    // Calls visit(t, length) for the steps of a ray, each as long as the finest volume there asks
+    // for, until it returns false. Nothing is visited outside of all volumes.
     template <class Visit>
     void walk(const Vec3& origin, const Vec3& direction, double first, double last, double jitter,
               const Visit& visit) const {
@@ -268,8 +268,8 @@ class PilotScene {
         else if (m_bounds.contains(ws))
             for (const std::uint32_t v : m_cells[cellOf(ws)]) visitIfNear(m_volumes[v]);
     }
-    // Among thousands of instances only a few volumes contain a given point. Each cell of a grid lists the volumes
-    // whose boxes it touches, or nearly so.
+    // Among thousands of instances only a few volumes contain a given point. Each cell of a grid
+    // lists the volumes whose boxes it touches, or nearly so.
     static constexpr int kCells = 24;  // along an axis
     using Cells = std::vector<std::vector<std::uint32_t>>;
     int cellAlong(double x, int axis) const {
@@ -301,9 +301,9 @@ class PilotScene {
         const double way = m_volumes.front().evenAlong(at, direction, kReach * m_texel);
         return way < 0 ? 0 : 1 + static_cast<int>(std::min(way / step, 1.0 * kMostSteps));
     }
-    // The field as texels reconstruct it: bilinear between the four nearest texels of f - 1/12 (second differences), a
-    // prefilter that makes up for the blur of the bilinear look-up. Texels at -1 and 2 of a row or column contribute
-    // only through the prefilter.
+    // The field as texels reconstruct it: bilinear between the four nearest texels of f - 1/12
+    // (second differences), a prefilter that makes up for the blur of the bilinear look-up. Texels
+    // at -1 and 2 of a row or column contribute only through the prefilter.
     template <class Stuff>
     Stuff texelsAt(const PilotVolume& volume, const Vec3& ws) const {
         const double u = glm::dot(ws, m_u) / volume.texel, v = glm::dot(ws, m_v) / volume.texel;
@@ -553,9 +553,9 @@ double pilotError(const ViewScene& given, int rays, int mostRays) {
             all.count += task.count;
         }
         if (!(all.radiance.values > 0 && all.radiance.squares > 0)) return 0;
-        // Where errors are equal, the mean of their squares is known from a few rays. In layers and thin shells a few
-        // rays have most of it, so it takes more: 48 rays found 0.4 of it in layers, 384 rays 0.8. What is returned is
-        // one standard deviation above.
+        // Where errors are equal, the mean of their squares is known from a few rays. In layers and
+        // thin shells a few rays have most of it, so it takes more: 48 rays found 0.4 of it in
+        // layers, 384 rays 0.8. What is returned is one standard deviation above.
         if (!(all.radiance.deviation(all.count) > kSure) || rays >= mostRays || all.count * 2 < rays)
             return std::max(all.radiance.oneDeviationAbove(all.count), all.alpha.oneDeviationAbove(all.count));
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates the detail that a raster of texels loses: a few rays are marched coarsely through the field as it is and
-// through the field as texels reconstruct it.
+// Estimates the detail that a raster of texels loses: a few rays are marched coarsely through the
+// field as it is and through the field as texels reconstruct it.
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -9,8 +9,8 @@
 
 namespace scrim {
 
-/// Ray `i` of a pilot: its place in the unit square of the picture, and a number in [0, 1) that shifts its steps. An
-/// additive recurrence spreads the rays evenly and is the same in every run.
+/// Ray `i` of a pilot: its place in the unit square of the picture, and a number in [0, 1) that
+/// shifts its steps. An additive recurrence spreads the rays evenly and is the same in every run.
 Vec3 pilotPlace(int i);
 
 inline constexpr int kMostPilotRays = 384;
@@ -27,8 +27,8 @@ class CoarserPilot {
     /// Marches `rays` rays through `scene`, which must outlive this object.
     CoarserPilot(const ViewScene& scene, int rays);
     ~CoarserPilot();
-    /// The relative RMSE along these rays of `coarser`, the same scene with coarser fields: one standard deviation
-    /// above what they find.
+    /// The relative RMSE along these rays of `coarser`, the same scene with coarser fields: one
+    /// standard deviation above what they find.
     double error(const ViewScene& coarser) const;
 
   private:

@@ -24,8 +24,8 @@ struct PilotSheets {
     double across;  ///< how many times as long as the shortest edges of voxels the edges are that texels are for
 };
 
-/// Sheets lie half-way between eye and light, or along flat voxels (engine/plan/flat_voxels.h). `lights`: of the
-/// pilots, brightest first. `wsCenter`: of all volumes.
+/// Sheets lie half-way between eye and light, or along flat voxels (engine/plan/flat_voxels.h).
+/// `lights`: of the pilots, brightest first. `wsCenter`: of all volumes.
 PilotSheets pilotSheets(const ViewScene& scene, const std::vector<PilotLight>& lights, const Vec3& wsCenter);
 
 /// True if sheets lie along flat voxels: such voxels cost no more than cubes.

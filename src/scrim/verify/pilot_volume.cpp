@@ -34,8 +34,8 @@ double meanPhase(const Phase& phase, const Light& light, const Camera& camera, c
     return kFourPi * sum / kPlaces;
 }
 
-// The extinction of a medium, relative to that of the channel where it is largest, in the channel that has most of the
-// light, if it has clearly more than that one.
+// The extinction of a medium, relative to that of the channel where it is largest, in the channel
+// that has most of the light, if it has clearly more than that one.
 double extinctionOfLight(const Medium& medium, const std::vector<PilotLight>& lights, const Rgb& ambient,
                          const Bounds& ws) {
     constexpr double kAlike = 0.8;

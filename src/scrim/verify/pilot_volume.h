@@ -25,8 +25,8 @@ inline constexpr std::size_t kMostPilotLights = 3;
 /// About the irradiance by a light, of one colour, at volumes in a box.
 double irradianceAt(const Light& light, const Bounds& ws);
 
-/// The lights, points and directions, that are brightest at the volumes: at most kMostPilotLights, brightest first. The
-/// scene must outlive them.
+/// The lights, points and directions, that are brightest at the volumes: at most kMostPilotLights,
+/// brightest first. The scene must outlive them.
 std::vector<PilotLight> brightestLights(const ViewScene& scene);
 
 /// True if a light shines from a point or a sphere, all around or into a cone.
@@ -102,8 +102,8 @@ class PilotVolume {
     bool m_hidden = false;    // the eye does not see it
     double m_extinction = 1;  // of the pilot's colour, relative to the channel where it is largest
     std::vector<double> m_glow;
-    // For each light, and ambient light: scattering relative to extinction in each colour, or to scattering where the
-    // albedo is a grid.
+    // For each light, and ambient light: scattering relative to extinction in each colour, or to
+    // scattering where the albedo is a grid.
     std::array<Rgb, kMostPilotLights + 1> m_weights = {};
     std::array<double, kMostPilotLights + 1> m_scattering = {};  // relative to the largest extinction
     std::array<bool, kMostPilotLights> m_shadows = {};

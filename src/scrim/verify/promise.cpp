@@ -66,9 +66,9 @@ bool shinesAlong(const Light& light, const Vec3& way) {
     return !light.spot() || glm::dot(way, light.wsDirection) > std::cos(glm::radians(0.5 * light.spot()->coneAngle));
 }
 
-// The distance, in voxels, from a lamp that is not in the smoke of a volume, but perhaps in its rim, to the nearest of
-// its voxels that are seen and lit, and not much thinner than others; infinity if there are none nearby. `all`: the
-// optics of all volumes, which lie in `ws`.
+// The distance, in voxels, from a lamp that is not in the smoke of a volume, but perhaps in its
+// rim, to the nearest of its voxels that are seen and lit, and not much thinner than others;
+// infinity if there are none nearby. `all`: the optics of all volumes, which lie in `ws`.
 double nearestSeen(const ViewScene& scene, const std::vector<VolumeOptics>& all, const Bounds& ws, const Light& light,
                    std::size_t number) {
     constexpr double kDense = 0.05, kOfMost = 0.25, kFar = 40, kStep = 0.5;  // optical depth of a voxel; voxels
@@ -186,8 +186,8 @@ void addLargeCells(const ViewScene& scene, PromisedDials& promised) {
                                cells.coarser())});
 }
 
-// The error that multiply scattered light may have. Of what texels and sheets leave, about half remains in the means
-// that the promise is about.
+// The error that multiply scattered light may have. Of what texels and sheets leave, about half
+// remains in the means that the promise is about.
 double scatteringPart(const PromisedDials& promised) {
     constexpr double kInMeans = 0.5;
     const double all = promised.scattering->promised, texels = kInMeans * promised.promised;
@@ -240,15 +240,15 @@ ToleranceModel modelOfMedia(const ViewScene& scene, int mostRays) {
     // Lights that miss all volumes say nothing about the error, nor does fire that no ray meets.
     if (error == 0) error = kUnlit * pilotError(unlit(scene), kRays, mostRays);
     ToleranceModel model = expectedModel((lit ? 1 : kUnlit) * soft * error, meanSlant(scene));
-    // Shadow buffers lose light by the same sheets that the eye looks through, and errors of the two cancel; cells do
-    // not. A ball of 0.24 a voxel, 25 voxels from a point: sheets of 2 and 0.8 voxels left 0.31 and 0.19 % by buffers,
-    // and 1.5 and 0.42 % on cells.
+    // Shadow buffers lose light by the same sheets that the eye looks through, and errors of the
+    // two cancel; cells do not. A ball of 0.24 a voxel, 25 voxels from a point: sheets of 2 and 0.8
+    // voxels left 0.31 and 0.19 % by buffers, and 1.5 and 0.42 % on cells.
     constexpr double kPerDepth = 6, kMostDepth = 0.5;
     const double onCells = (1 + kPerDepth * std::min(depthOfVoxel(scene), kMostDepth)) / soft;
     if (onCells > 1) model.sheets *= 1 + shareOnCells(scene) * (onCells - 1);
-    // Within a sheet its own medium dims light on both ways, whatever texels show: by about (its optical depth)^2 / 36
-    // where light comes from behind the eye, more where few pixels are lit. A smooth ball, sheets of 0.3 and 0.6: 0.24
-    // and 1.2 %.
+    // Within a sheet its own medium dims light on both ways, whatever texels show: by about (its
+    // optical depth)^2 / 36 where light comes from behind the eye, more where few pixels are lit. A
+    // smooth ball, sheets of 0.3 and 0.6: 0.24 and 1.2 %.
     constexpr double kPerDepth2 = 1.0 / 36;
     const PilotSight sight = pilotSight(scene, kRays);
     const double depth = std::min(sight.thickness, kMostDepth);
@@ -260,8 +260,8 @@ ToleranceModel modelOfMedia(const ViewScene& scene, int mostRays) {
     // A ball of 1 : 1 : 1/100, 1/1000: sheets of 1.5 voxels left 1.4 %, where texels of half a voxel left 0.3.
     constexpr double kFlatSheets = 2.5;
     if (anyFlat(scene)) model.sheets *= kFlatSheets;
-    // Rays cross those sheets at a slant, and no texel is as fine as the picture: balls of 1 : 1 : 1/3 to 1/100 were
-    // left 0.65 to 1.2 % where 1 was foreseen.
+    // Rays cross those sheets at a slant, and no texel is as fine as the picture: balls of 1 : 1 :
+    // 1/3 to 1/100 were left 0.65 to 1.2 % where 1 was foreseen.
     constexpr double kAlongFlat = 1.3;
     if (sheetsAlongFlatVoxels(scene)) model.texels *= kAlongFlat;
     return model;
@@ -292,9 +292,9 @@ double meanSlant(const ViewScene& scene) {
 }
 
 ToleranceModel expectedModel(double pilot, double slant) {
-    // In 27 scenes drawn at random (tests/tools/bench/promises_scenes.py, seed 1001), texels of one voxel left an error
-    // of 0.43 pilot^0.89, within a factor of 1.3 for two of three scenes; sheets of one voxel left a tenth to a third
-    // of that.
+    // In 27 scenes drawn at random (tests/tools/bench/promises_scenes.py, seed 1001), texels of one
+    // voxel left an error of 0.43 pilot^0.89, within a factor of 1.3 for two of three scenes;
+    // sheets of one voxel left a tenth to a third of that.
     constexpr double kMargin = 1.65, kSheets = 0.25;
     // Sheets of one voxel, in smoke1.vdb with the sun at 0, 35 and 70 degrees to the view and the same from behind,
     // left 0.1 to 0.2, 0.35 to 0.8 and 0.9 to 1.7 %. The random scenes above average over slants of about 0.55.
@@ -354,9 +354,9 @@ void setScattering(Dials& dials, const ScatterChoice& choice) {
 
 namespace {
 
-// The finest texels and sheets that the promise of a preset may choose, voxels. The last of the error of opaque
-// surfaces, mostly at the edges of their shadows, would take minutes. Where this limit is not fine enough, a warning
-// says so.
+// The finest texels and sheets that the promise of a preset may choose, voxels. The last of the
+// error of opaque surfaces, mostly at the edges of their shadows, would take minutes. Where this
+// limit is not fine enough, a warning says so.
 double finestFor(double promised, bool classified) {
     return classified ? std::clamp(std::floor(28 * std::pow(promised / 0.02, 0.47)) / 100, 0.12, 0.5) : kFinestPromised;
 }
@@ -398,8 +398,8 @@ double roughSeconds(const ViewScene& scene, const Dials& dials) {
     return seconds;
 }
 
-// The voxels of a scene: how many there are, and the sum of their edges by volume. They tell scenes of different levels
-// apart; one layer of voxels stays one when these become thicker.
+// The voxels of a scene: how many there are, and the sum of their edges by volume. They tell scenes
+// of different levels apart; one layer of voxels stays one when these become thicker.
 std::pair<std::uint64_t, double> voxelsOf(const ViewScene& scene) {
     std::pair<std::uint64_t, double> voxels;
     for (const ViewVolume& volume : scene.volumes) {
@@ -442,9 +442,9 @@ std::vector<Coarser> coarserWithin(const std::function<ViewScene(double)>& atLod
     return all;
 }
 
-// The dials of a scene with the fields that take the least time; `scene` becomes the one that has them. Fields and
-// texels each take a part of the promise. Most time is that of the pilots of texels, so a few rays compare fields, from
-// the coarsest on until finer ones no longer take less.
+// The dials of a scene with the fields that take the least time; `scene` becomes the one that has
+// them. Fields and texels each take a part of the promise. Most time is that of the pilots of
+// texels, so a few rays compare fields, from the coarsest on until finer ones no longer take less.
 PromisedDials withCoarser(const std::function<ViewScene(double)>& atLod, double promised, ViewScene& scene) {
     constexpr double kMostOfPromise = 0.85, kClearly = 0.9;
     constexpr int kFewRays = 2 * kRays;

@@ -40,15 +40,15 @@ struct PromisedDials {
 /// because a sheet holds exactly what a ray along the sheets' axis meets, but on slanted rays also what lies beside it.
 double meanSlant(const ViewScene& scene);
 
-/// The model of the error that texels and sheets leave in a scene of media where pilotError() is `pilot`. Its margin
-/// covers nine of ten scenes.
+/// The model of the error that texels and sheets leave in a scene of media where pilotError() is
+/// `pilot`. Its margin covers nine of ten scenes.
 ToleranceModel expectedModel(double pilot, double slant);
 
 /// The same of a scene with classified volumes, from two small pictures of it.
 ToleranceModel modelOfSurfaces(const ViewScene& scene);
 
-/// `dials` with the cheapest texels and sheets that keep `promised` by `model`, none finer than `finest` voxels, and
-/// with the other dials that the promise requires.
+/// `dials` with the cheapest texels and sheets that keep `promised` by `model`, none finer than
+/// `finest` voxels, and with the other dials that the promise requires.
 PromisedDials dialsFor(const Dials& dials, const ToleranceModel& model, double promised,
                        double finest = kFinestPromised);
 

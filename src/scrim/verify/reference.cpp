@@ -30,8 +30,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlidePixels = 0.5;
 constexpr double kMostSlideSteps = 64;
 
-// Two random numbers in [0, 1) that depend only on the place and the light, so that every evaluation gives the same
-// result.
+// Two random numbers in [0, 1) that depend only on the place and the light, so that every
+// evaluation gives the same result.
 Vec2 lotOf(const Vec3& ws, std::size_t light) {
     std::uint64_t state = kSplitMixStep * (light + 1);
     for (int axis = 0; axis < 3; ++axis) state = splitMix(state + std::bit_cast<std::uint64_t>(ws[axis]));
@@ -115,8 +115,8 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
     }
 }
 
-// Shortens a step so that it crosses at most kSlidePixels of any slide; light that varies within a step would be
-// missed.
+// Shortens a step so that it crosses at most kSlidePixels of any slide; light that varies within a
+// step would be missed.
 double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) const {
     double most = 1;
     for (const auto& light : m_lights) {
@@ -176,8 +176,8 @@ std::optional<NearArea> nearArea(const Light& light, const Vec3& ws) {
 
 }  // namespace
 
-// Near a lamp its light changes over the distance to it, and at a surface it begins. The border of a spot's cone, and a
-// luminaire's profile, are directions that it sees.
+// Near a lamp its light changes over the distance to it, and at a surface it begins. The border of
+// a spot's cone, and a luminaire's profile, are directions that it sees.
 double Reference::lampStep(const Vec3& ws, double step) const {
     constexpr double kLeast = 0.02, kLeastAtArea = 0.005;
     for (const Light& light : m_scene.lights) {
@@ -204,8 +204,8 @@ std::uint64_t Reference::blockedLights(const Vec3& ws) const {
     return bits;
 }
 
-// Shortens a step so that it ends where a solid begins or ceases to block a light: two points of a step cannot tell how
-// much of it is lit.
+// Shortens a step so that it ends where a solid begins or ceases to block a light: two points of a
+// step cannot tell how much of it is lit.
 double Reference::edgeStep(const Vec3& ws, const Vec3& direction, double step) const {
     if (!solidsBlock(m_scene)) return step;
     constexpr int kLooks = 4, kHalvings = 12;
@@ -356,8 +356,8 @@ bool Reference::isAround(std::size_t index, const ViewVolume& volume, const Vec3
     });
 }
 
-// Radiance per world unit and unit of irradiance that the volumes send along `eye`, from light that arrives along
-// `travel`.
+// Radiance per world unit and unit of irradiance that the volumes send along `eye`, from light that
+// arrives along `travel`.
 Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel, const Vec3& eye, const Rgb& tau,
                           const LightRays* rays) const {
     Rgb sum(0);
@@ -461,8 +461,8 @@ std::array<double, 4> Reference::ray(double x, double y, const std::function<boo
         tau += stepTau;
         t += step;
     }
-    // If everything that hides is also shown, alpha is 1 - transmittance. Otherwise alpha is summed along the ray like
-    // radiance.
+    // If everything that hides is also shown, alpha is 1 - transmittance. Otherwise alpha is summed
+    // along the ray like radiance.
     const double hidden = -(std::expm1(-tau.x) + std::expm1(-tau.y) + std::expm1(-tau.z)) / 3;
     const double alpha = holdsOut(m_scene) ? (shown.x + shown.y + shown.z) / 3 : hidden;
     const Rgb all = radiance + glm::exp(-tau) * Rgb(behind[0], behind[1], behind[2]);

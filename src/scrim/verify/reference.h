@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The brute-force reference: one pixel at a time, in double precision, with small adaptive steps, and a shadow ray
-// marched from every sample to every light. It is slow and meant to be obviously right, because everything else is
-// judged by it.
+// The brute-force reference: one pixel at a time, in double precision, with small adaptive steps,
+// and a shadow ray marched from every sample to every light. It is slow and meant to be obviously
+// right, because everything else is judged by it.
 //
 // It shares with the engine the meaning of a scene: how a kernel reconstructs a field (volume/field_sampler), what a
 // volume does to light and what a light sends (scene/optics, scene/light_at), and what is seen behind the volumes
@@ -31,8 +31,8 @@ struct ReferenceOptions {
     double classifiedStep = 0.0625;    ///< largest step where a volume is classified, voxels
     /// Eye rays end at this depth along the viewing axis, world units. Light still passes through all volumes.
     double far = std::numeric_limits<double>::infinity();
-    /// n, where each sample sends n^2 rays to an extended light, with a random offset for each sample. 0: n follows
-    /// from the scene's light_error.
+    /// n, where each sample sends n^2 rays to an extended light, with a random offset for each
+    /// sample. 0: n follows from the scene's light_error.
     int lightRays = 0;
 };
 
@@ -44,23 +44,23 @@ class Reference {
     /// it has its own samplers. In a scene of several moments it sees the one moment that `scene` is.
     explicit Reference(const ViewScene& scene, const ReferenceOptions& options = {}, FieldSamplers* samplers = nullptr);
 
-    /// Premultiplied RGBA along the ray through raster position (x, y). Pixel centres are at + 1/2. Once `late` returns
-    /// true, the ray ends, and the value is worth nothing.
+    /// Premultiplied RGBA along the ray through raster position (x, y). Pixel centres are at + 1/2.
+    /// Once `late` returns true, the ray ends, and the value is worth nothing.
     std::array<double, 4> ray(double x, double y, const std::function<bool()>& late = {}) const;
 
     /// Mean over the n x n rays of pixel (x, y), where n is the scene's antialias dial.
     std::array<double, 4> pixel(int x, int y, const std::function<bool()>& late = {}) const;
 
-    /// Optical depth of each colour between two points in world space: of all volumes, or of those that cast shadows in
-    /// light `light` of the scene.
+    /// Optical depth of each colour between two points in world space: of all volumes, or of those
+    /// that cast shadows in light `light` of the scene.
     Rgb opticalDepth(const Vec3& wsA, const Vec3& wsB, std::optional<std::size_t> light = {}) const;
 
-    /// The fraction of the light of light `light` of the scene that arrives at `ws` through all volumes. Solids do not
-    /// count.
+    /// The fraction of the light of light `light` of the scene that arrives at `ws` through all
+    /// volumes. Solids do not count.
     Rgb arriving(std::size_t light, const Vec3& ws) const;
 
-    /// Radiance per world unit of path at `ws`, scattered and emitted, for an eye ray of direction `wsDirection` (unit,
-    /// away from the eye), and the extinction there.
+    /// Radiance per world unit of path at `ws`, scattered and emitted, for an eye ray of direction
+    /// `wsDirection` (unit, away from the eye), and the extinction there.
     struct Sample {
         Rgb source{0};
         Rgb extinction{0};

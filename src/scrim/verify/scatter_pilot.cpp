@@ -30,8 +30,8 @@ constexpr double kFewestAlong = 24, kMostAlong = 50;  // cells of the finer solv
 constexpr int kLights = 3;                            // points that represent an extended light
 constexpr double kCoarsest = 6;                       // cells that are chosen, voxels
 
-// The scene with a few points for each light. Pictures add up of which each holds out what the other shows: cells must
-// be the same in both.
+// The scene with a few points for each light. Pictures add up of which each holds out what the
+// other shows: cells must be the same in both.
 ViewScene roughly(const ViewScene& scene, Skies skies) {
     ViewScene few = withFewSubLights(scene, kLights, skies);
     few.layers.clear();
@@ -66,13 +66,13 @@ bool isSmall(const ViewScene& scene, double cell, bool& limited) {
     return bytes <= most;
 }
 
-// Cells must resolve how light passes through the thinnest volume; pilots' larger ones all miss it, and hardly differ.
-// In a layer of about 4 voxels cells of 2, 1 and 0.5 voxels left 11, 2.4 and 1.9 %, and in ground fog of 12 flat ones
-// cells of 5, 4 and 3 left 10, 5 and 1.3.
+// Cells must resolve how light passes through the thinnest volume; pilots' larger ones all miss it,
+// and hardly differ. In a layer of about 4 voxels cells of 2, 1 and 0.5 voxels left 11, 2.4 and 1.9
+// %, and in ground fog of 12 flat ones cells of 5, 4 and 3 left 10, 5 and 1.3.
 constexpr double kAcross = 5;
 
-// The number of layers of voxels across an axis of a grid that hold what it holds: n where n hold the same. Thick grids
-// count as all of their layers.
+// The number of layers of voxels across an axis of a grid that hold what it holds: n where n hold
+// the same. Thick grids count as all of their layers.
 double layersAcross(const SparseField& field, int axis) {
     constexpr double kThick = 64;
     constexpr std::size_t kFew = 4096;  // blocks that are looked at
@@ -158,12 +158,12 @@ double ScatterPilot::ofCells(double cell) const {
 }
 
 double ScatterPilot::ofDirections(std::size_t i) const {
-    // In clouds of g = 0.75 and 0.9, 64 and 128 ordinates left 0.07 to 0.15 of this and 256 ones 0.05 to 0.09; in a
-    // ball 29 mean free paths thick of g = 0.9, 256 ones left about 0.12.
+    // In clouds of g = 0.75 and 0.9, 64 and 128 ordinates left 0.07 to 0.15 of this and 256 ones
+    // 0.05 to 0.09; in a ball 29 mean free paths thick of g = 0.9, 256 ones left about 0.12.
     constexpr double kPerStraight[] = {0.2, 0.2, 0.12};
-    // Ray effects: bright spots send light along ordinates, and none between them. Cells as large as the pilot's blur
-    // them: beside 1,024 ordinates, 24 scenes by lot had 0.2 to 3.1 of this with 64 (half of them at most 1.6), 0.2 to
-    // 1.8 with 128 (0.7), and 0.1 to 1.3 with 256 (0.3).
+    // Ray effects: bright spots send light along ordinates, and none between them. Cells as large
+    // as the pilot's blur them: beside 1,024 ordinates, 24 scenes by lot had 0.2 to 3.1 of this
+    // with 64 (half of them at most 1.6), 0.2 to 1.8 with 128 (0.7), and 0.1 to 1.3 with 256 (0.3).
     constexpr double kPerRayEffect[] = {2.2, 1.0, 0.45};
     return std::max(kPerStraight[i] * straight[i] * share, kPerRayEffect[i] * rayEffects);
 }

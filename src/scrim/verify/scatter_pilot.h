@@ -16,8 +16,8 @@ namespace scrim {
 
 inline constexpr double kFinestScatterCell = 0.5;  ///< voxels; cells are never chosen finer
 
-/// What the pilot saw. Errors are relative to the mean of all light, and those of means over squares of pixels
-/// (kScatteringMean).
+/// What the pilot saw. Errors are relative to the mean of all light, and those of means over
+/// squares of pixels (kScatteringMean).
 struct ScatterPilot {
     double edge = 0;        ///< the edge of the smaller cells, voxels
     double difference = 0;  ///< RMS over the rays of the difference between the solves with these cells and with larger
@@ -26,16 +26,16 @@ struct ScatterPilot {
     double share = 0;       ///< the part of all light that has scattered more than once, or comes from skies
     double ofSkies = 0;     ///< the part of it that comes from skies and ambient light, which enter at the border
     bool surfaces = false;  ///< scattersInSurfaces
-    /// The thinnest volume's extent along an axis of its grid, and the largest cells that should be chosen for it;
-    /// both in shortest edges of its voxels.
+    /// The thinnest volume's extent along an axis of its grid, and the largest cells that should be
+    /// chosen for it; both in shortest edges of its voxels.
     double layers = std::numeric_limits<double>::infinity(), thickest = layers;
     bool limited = false;  ///< finer cells would have told more, but the memory limit left no room for them
-    /// For each of kOrdinateCounts the part of the scattered light that goes straight on, of the narrowest phase
-    /// function (SplitPhase).
+    /// For each of kOrdinateCounts the part of the scattered light that goes straight on, of the
+    /// narrowest phase function (SplitPhase).
     std::array<double, 3> straight{};
 
-    /// The error that cells of `cell` voxels are expected to leave; nine of ten scenes have less. It grows with their
-    /// edge to the power of `order`.
+    /// The error that cells of `cell` voxels are expected to leave; nine of ten scenes have less.
+    /// It grows with their edge to the power of `order`.
     double ofCells(double cell) const;
     /// The same, but for what all cells miss that are too large for the thinnest volume.
     double byDifference(double cell) const;
@@ -55,8 +55,8 @@ struct ScatterChoice {
     bool limited = false;  ///< as ScatterPilot::limited: without the limit another choice may be made
 };
 
-/// The largest cells and the fewest directions that should leave no more than `error`, or the finest that are chosen.
-/// What `dials` states is kept.
+/// The largest cells and the fewest directions that should leave no more than `error`, or the
+/// finest that are chosen. What `dials` states is kept.
 ScatterChoice chooseScattering(const ScatterPilot& pilot, const Dials& dials, double error);
 
 }  // namespace scrim

@@ -17,8 +17,8 @@ struct SeenCells {
     double other = 0;       ///< the light on the other ones
 };
 
-/// Looks along 64 rays that meet something. The scene's lights, points and suns, are those that are not on cells. All
-/// members of the result are 0 where nothing is seen.
+/// Looks along 64 rays that meet something. The scene's lights, points and suns, are those that are
+/// not on cells. All members of the result are 0 where nothing is seen.
 SeenCells seenCells(const ViewScene& scene, const std::vector<CellLight>& fine, const std::vector<CellLight>& other);
 
 }  // namespace scrim

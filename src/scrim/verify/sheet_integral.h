@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light through one sheet in closed form (algorithm, section 6).
 //
-// Over the segment of an eye ray inside a sheet, extinction and albedo are constant. Light enters the sheet after an
-// optical depth tau_in and loses another tau_l on its way through the sheet; the eye ray loses tau_e. The in-scattered
-// radiance is rho E p times tau_e times
+// Over the segment of an eye ray inside a sheet, extinction and albedo are constant. Light enters
+// the sheet after an optical depth tau_in and loses another tau_l on its way through the sheet; the
+// eye ray loses tau_e. The in-scattered radiance is rho E p times tau_e times
 //
 //     transmit = e^-tau_in * phi,   phi = integral over x in [0, 1] of e^-(tau_l x) e^-(tau_e y) dx,
 //

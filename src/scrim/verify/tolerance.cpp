@@ -25,8 +25,8 @@ constexpr double kAim = 0.7;  // fraction of the tolerance that the predicted er
 // `aim` leaves room for a confidence interval up to this much wider than the error.
 constexpr double kWidthAllowed = 1.3;
 
-// The scene with sub-lights that may take half of the tolerance, so that neither pilots nor attempts fail because of
-// them.
+// The scene with sub-lights that may take half of the tolerance, so that neither pilots nor
+// attempts fail because of them.
 ViewScene litWithin(const ViewScene& scene, double tolerance) {
     ViewScene out = scene;
     out.dials.lightError = std::min(scene.dials.lightError, tolerance / 2);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses dials for a tolerance: two quick renders measure how the error of a scene grows with its texels and sheets,
-// and the cheapest setting that should stay below the tolerance is chosen.
+// Chooses dials for a tolerance: two quick renders measure how the error of a scene grows with its
+// texels and sheets, and the cheapest setting that should stay below the tolerance is chosen.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -20,8 +20,8 @@ struct Pilot {
 
 /// error^2 = (texels texel^p)^2 + (sheets thickness^p)^2: the two errors are independent and of about the same order.
 struct ToleranceModel {
-    /// p. Studies of smoke, clouds and scans find 1.5 to 2 for both dials: kinks of the field and opaque edges lower
-    /// the second order of smooth fields a little.
+    /// p. Studies of smoke, clouds and scans find 1.5 to 2 for both dials: kinks of the field and
+    /// opaque edges lower the second order of smooth fields a little.
     static constexpr double kOrder = 1.8;
 
     double texels = 0, sheets = 0;
@@ -29,8 +29,8 @@ struct ToleranceModel {
     double predict(double texel, double thickness) const;
 };
 
-/// The settings to measure: two that are about as accurate as `tolerance`, since orders only hold over a short range.
-/// The second has sheets half as thick. Their errors are still 0.
+/// The settings to measure: two that are about as accurate as `tolerance`, since orders only hold
+/// over a short range. The second has sheets half as thick. Their errors are still 0.
 std::array<Pilot, 2> pilotsFor(double tolerance);
 
 /// The model that passes through both pilots.
@@ -64,8 +64,8 @@ struct ToleranceOptions {
     double seconds = 0;  ///< each verification ends after this time; 0: no limit
     ProgressSink progress = {};
     std::function<void(double)> announce = {};  ///< as in SampleOptions
-    /// Renders everything but pilots; without one, engine/sweep.h does. Pilots render the single moment that both
-    /// scenes are.
+    /// Renders everything but pilots; without one, engine/sweep.h does. Pilots render the single
+    /// moment that both scenes are.
     std::function<Frame(const ViewScene&, const Plan&, const ProgressSink&)> render = {};
     std::function<void(const ViewScene&, const Plan&)> planned = {};  ///< called before each render except for pilots
 };
@@ -76,8 +76,8 @@ struct ToleranceResult {
     Dials dials;
     double predicted = 0;  ///< predicted error of the setting that was rendered last
     Verification verification;
-    /// Both the error and that of alpha are below this, each with a confidence of 97.5 %, however many attempts were
-    /// made: every attempt takes a share of the remaining 2.5 %.
+    /// Both the error and that of alpha are below this, each with a confidence of 97.5 %, however
+    /// many attempts were made: every attempt takes a share of the remaining 2.5 %.
     double bound = 0;
     PixelSample sample;  ///< the pixels of that verification
     int attempts = 0;    ///< renders
@@ -87,10 +87,10 @@ struct ToleranceResult {
     } seconds;
 };
 
-/// Renders `scene` with the cheapest dials that pilots predict to suffice, and checks the result at pixels drawn at
-/// random. Where the bound misses the tolerance, it tries finer dials and checks them at fresh pixels, since the pixels
-/// that led to finer dials cannot judge them. `truth`: the same scene with all volumes at full resolution. Throws
-/// Error.
+/// Renders `scene` with the cheapest dials that pilots predict to suffice, and checks the result at
+/// pixels drawn at random. Where the bound misses the tolerance, it tries finer dials and checks
+/// them at fresh pixels, since the pixels that led to finer dials cannot judge them. `truth`: the
+/// same scene with all volumes at full resolution. Throws Error.
 ToleranceResult renderWithin(const ViewScene& scene, const ViewScene& truth, const ToleranceOptions& options);
 
 }  // namespace scrim

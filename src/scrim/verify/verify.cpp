@@ -52,8 +52,8 @@ class RelativeError {
     explicit RelativeError(std::vector<Term> terms) : m_terms(std::move(terms)) {}
 
     double value() const { return valueOf(m_terms).error; }
-    /// The ends of the interval of `confidence`. `scale` multiplies the deviation that holds for pixels that are few
-    /// among many.
+    /// The ends of the interval of `confidence`. `scale` multiplies the deviation that holds for
+    /// pixels that are few among many.
     std::array<double, 2> interval(double confidence, double scale) const;
     /// The same for a noisy reference whose variance was subtracted from the squares: noise dominates their spread, and
     /// their sum may even be negative. Noise remains where all pixels were examined.

@@ -25,8 +25,8 @@ struct VerifiedPixel {
     int edge = 1;
 };
 
-/// The edge of the squares that a verification of `truth` examines: kScatteringMean where light scatters more than
-/// once, since such light is smooth and its reference is noisy; else 1.
+/// The edge of the squares that a verification of `truth` examines: kScatteringMean where light
+/// scatters more than once, since such light is smooth and its reference is noisy; else 1.
 int verifiedEdge(const ViewScene& truth);
 
 /// Relative RMSE over the pixels that count: those where the reference or the picture has an alpha above 1e-3, or light
@@ -39,8 +39,8 @@ struct Verification {
     std::size_t looked = 0;  ///< pixels whose reference was evaluated
     bool complete = false;   ///< no pixel that may show something was left out, so the error is exact
     double error = 0;        ///< 0 if no pixel counted
-    /// Confidence interval of the error, from `lower` to `upper`: bootstrap-t over the pixels, of the logarithm; where
-    /// the reference is noisy, bootstrap of the square.
+    /// Confidence interval of the error, from `lower` to `upper`: bootstrap-t over the pixels, of
+    /// the logarithm; where the reference is noisy, bootstrap of the square.
     double lower = 0;
     double upper = 0;
     double alphaError = 0, alphaUpper = 0;

@@ -78,8 +78,8 @@ std::uint64_t spread(std::uint32_t x) {
     return (v | v << 1) & 0x5555555555555555;
 }
 
-// The i-th point of a scrambled van der Corput sequence, in steps of 2^-bits. As a function of i it is a permutation of
-// [0, 2^bits).
+// The i-th point of a scrambled van der Corput sequence, in steps of 2^-bits. As a function of i it
+// is a permutation of [0, 2^bits).
 std::uint64_t scrambledPoint(std::uint64_t i, int bits, std::uint64_t seed) {
     std::uint64_t point = 0;
     for (int b = 0; b < bits; ++b) {
@@ -96,8 +96,8 @@ std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, 
     const PixelWindow& region = truth.region;
     std::vector<BoxTest> tests = boxTests(truth);
     if (truth.moments) {
-        // The number of moments at which boxes are tested: steps of about a pixel, since anything closer to a box than
-        // that may show in the picture.
+        // The number of moments at which boxes are tested: steps of about a pixel, since anything
+        // closer to a box than that may show in the picture.
         const int steps = std::clamp(static_cast<int>(truth.moments->path), 4, 64);
         for (int i = 0; i <= steps; ++i) {
             const double part = static_cast<double>(i) / steps;

@@ -43,9 +43,9 @@ bool touchesSurfaces(const ViewScene& scene, const Light& light) {
 
 }  // namespace
 
-// Lamps that opaque voxels touch: nearly all that is seen of their light is within a cell of them. A sphere of three
-// voxels across in a cavity of a scan leaves 3 to 6 %; where voxels touch it, one of two and one of six left 49 and
-// 220 %.
+// Lamps that opaque voxels touch: nearly all that is seen of their light is within a cell of them.
+// A sphere of three voxels across in a cavity of a scan leaves 3 to 6 %; where voxels touch it, one
+// of two and one of six left 49 and 220 %.
 void addTouchingLamps(const ViewScene& scene, PromisedDials& promised) {
     constexpr double kLeft = 0.9;
     for (const Light& light : scene.lights)

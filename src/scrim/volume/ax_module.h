@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: the module that compiles and runs OpenVDB AX. AX brings LLVM along, whose 100 MB take longer to load than
-// all of Scrim. Therefore only the processes that run an expression load the module, and only for volumes that have
-// one.
+// Internal: the module that compiles and runs OpenVDB AX. AX brings LLVM along, whose 100 MB take
+// longer to load than all of Scrim. Therefore only the processes that run an expression load the
+// module, and only for volumes that have one.
 #pragma once
 
 #include <scrim/volume/grid_edit.h>
@@ -34,8 +34,8 @@ class AxProgram {
   public:
     virtual ~AxProgram() = default;
     virtual const std::vector<AxUse>& grids() const = 0;
-    /// Runs for each active voxel of each grid that the code writes. All grids that it uses must be there, once each.
-    /// Throws std::exception.
+    /// Runs for each active voxel of each grid that the code writes. All grids that it uses must be
+    /// there, once each. Throws std::exception.
     virtual void run(EditedGrids& grids) const = 0;
 };
 
@@ -53,8 +53,8 @@ struct AxModule {
 #define SCRIM_AX_MODULE_SYMBOL "scrim_ax_module_1"
 using AxModuleFunction = const AxModule* (*)();
 
-/// Loads the module from the file `path`, and never unloads it. Throws Error(render) "`where`: ..." with the names of
-/// the packages that it needs.
+/// Loads the module from the file `path`, and never unloads it. Throws Error(render) "`where`: ..."
+/// with the names of the packages that it needs.
 const AxModule* loadAxModule(const std::string& path, const std::string& where);
 
 }  // namespace scrim

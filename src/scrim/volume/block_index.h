@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the contents of a field at a place. One table leads to pages of 8^3 cubes; a cube is a block, a part of a
-// constant tile, or empty.
+// Finds the contents of a field at a place. One table leads to pages of 8^3 cubes; a cube is a
+// block, a part of a constant tile, or empty.
 //
-// A level set of radius 500 has 10^5 blocks, and rays through it look up 10^8 places, so a look-up may neither scan the
-// tiles nor try one size after another. All code that asks a field for single voxels uses this index; the splatter,
-// which streams whole fields, does not.
+// A level set of radius 500 has 10^5 blocks, and rays through it look up 10^8 places, so a look-up
+// may neither scan the tiles nor try one size after another. All code that asks a field for single
+// voxels uses this index; the splatter, which streams whole fields, does not.
 #pragma once
 
 #include <scrim/volume/sparse_field.h>
@@ -22,8 +22,8 @@ namespace scrim {
 /// Safe to read from many threads at once.
 class BlockIndex {
   public:
-    /// `field` must outlive this object. Takes 2 KB for each 64^3 voxels that contain anything, about as much as a
-    /// block.
+    /// `field` must outlive this object. Takes 2 KB for each 64^3 voxels that contain anything,
+    /// about as much as a block.
     explicit BlockIndex(const SparseField& field);
 
     /// The contents of a cube of 8^3 voxels: the 512 values of a block, or a constant (0 where the field is empty).
@@ -31,8 +31,8 @@ class BlockIndex {
         const float* values = nullptr;
         float constant = 0;
         const ConstantTile* tile = nullptr;  ///< the tile that holds the constant
-        /// Edge, in cubes, of a region of equal cubes around this one, aligned to a multiple of the edge; a power of
-        /// two.
+        /// Edge, in cubes, of a region of equal cubes around this one, aligned to a multiple of the
+        /// edge; a power of two.
         int cubes = 1;
 
         bool empty() const { return !values && !tile; }
@@ -43,9 +43,9 @@ class BlockIndex {
 
     /// The cube with the voxels `cube` * 8 + [0, 8) on each axis.
     Place at(const Int3& cube) const;
-    /// Calls visit(place, number) for every block and tile that has voxels in the cubes [lower, upper]. Blocks have
-    /// their number in the field; tiles are numbered after them. A box with more cubes than there are blocks costs no
-    /// more than a loop over all blocks.
+    /// Calls visit(place, number) for every block and tile that has voxels in the cubes [lower,
+    /// upper]. Blocks have their number in the field; tiles are numbered after them. A box with
+    /// more cubes than there are blocks costs no more than a loop over all blocks.
     template <class Visit>
     void visit(const Int3& lower, const Int3& upper, const Visit& visit) const;
     /// True if the cube of a block, or a voxel of a tile, touches the box (index space, of any size).
@@ -93,8 +93,8 @@ class BlockIndex {
     const SparseField& m_field;
     Int3 m_lower, m_upper;  // range of the cubes in use; m_upper is below m_lower if there are none
     Bounds m_isBounds;
-    // The pages, keyed by their first cube divided by 8: a table over their box, or a hash map where the table would be
-    // too large.
+    // The pages, keyed by their first cube divided by 8: a table over their box, or a hash map
+    // where the table would be too large.
     std::vector<std::uint32_t> m_table;
     Int3 m_firstPage{0};
     std::array<std::uint32_t, 3> m_tableSize{};

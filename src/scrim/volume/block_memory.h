@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the values of a field's blocks are kept: memory of this process, or memory that another process will read, so
-// that values need not be copied from one to the other.
+// Where the values of a field's blocks are kept: memory of this process, or memory that another
+// process will read, so that values need not be copied from one to the other.
 #pragma once
 
 #include <scrim/volume/sparse_field.h>
@@ -19,8 +19,8 @@ class BlockMemory {
     virtual std::shared_ptr<float[]> take(std::size_t count) {
         return std::make_shared_for_overwrite<float[]>(count * kBlockVoxels);
     }
-    /// Of `values`, all that take(count) returned, only the first `kept` blocks are needed from now on. The system gets
-    /// back the memory of the others, which must not be read any more.
+    /// Of `values`, all that take(count) returned, only the first `kept` blocks are needed from now
+    /// on. The system gets back the memory of the others, which must not be read any more.
     virtual void shrink(float* values, std::size_t count, std::size_t kept);
 };
 

@@ -133,9 +133,9 @@ SparseField meansOf(const SparseField& fine, const HalvedAxes& halved) {
     return buildField(std::move(pieces));
 }
 
-// Interpolated linearly, means over two voxels lose amplitude: at w radians a fine voxel, w^2 / 8 in the mean and w^2 /
-// 3 between the means, of which the fine voxels lose w^2 / 12 themselves. Subtracting 3/32 of the second differences
-// gives that back to second order.
+// Interpolated linearly, means over two voxels lose amplitude: at w radians a fine voxel, w^2 / 8
+// in the mean and w^2 / 3 between the means, of which the fine voxels lose w^2 / 12 themselves.
+// Subtracting 3/32 of the second differences gives that back to second order.
 constexpr float kSharper = 3.0f / 32;
 
 // What a voxel takes from one of its six neighbours for that. None gives more than a sixth of what it has, so no value
@@ -145,8 +145,8 @@ float taken(float value, float beside) {
     return value > beside ? std::min(wanted, beside / 6) : std::max(wanted, -value / 6);
 }
 
-/// Sharpens the row (x, y) of a block along the axes that were halved. `sides`: the blocks below and above it along
-/// each axis; null: its voxels take nothing from there.
+/// Sharpens the row (x, y) of a block along the axes that were halved. `sides`: the blocks below
+/// and above it along each axis; null: its voxels take nothing from there.
 void sharpenRow(const float* own, const std::array<const float*, 6>& sides, const HalvedAxes& halved, int x, int y,
                 float* out) {
     const float* const values = own + blockOffset(x, y, 0);

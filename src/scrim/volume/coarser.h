@@ -29,8 +29,8 @@ HalvedAxes shortAxes(const Mat4& wsFromIs);
 /// whole field is preserved. The counts of cleaned values are copied.
 SparseField coarser(const SparseField& fine, const HalvedAxes& halved = kAllAxes);
 
-/// The coarser levels of fields, each made once, for as long as the field itself is kept. Safe to use from many
-/// threads.
+/// The coarser levels of fields, each made once, for as long as the field itself is kept. Safe to
+/// use from many threads.
 class CoarserLevels {
   public:
     /// coarser(*fine, halved).

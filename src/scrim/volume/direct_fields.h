@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: makes fields of a .vdb file straight from its bytes, without OpenVDB and without a tree of its values in
-// between: vdb_tree.h reads the tree above the leaves, vdb_leaves.h the leaves. Several fields of a grid (colours,
-// velocities) take one pass. What needs more than that (level sets, frustums, other numbers than floats, old files) is
-// left to OpenVDB.
+// Internal: makes fields of a .vdb file straight from its bytes, without OpenVDB and without a tree
+// of its values in between: vdb_tree.h reads the tree above the leaves, vdb_leaves.h the leaves.
+// Several fields of a grid (colours, velocities) take one pass. What needs more than that (level
+// sets, frustums, other numbers than floats, old files) is left to OpenVDB.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -26,8 +26,8 @@ std::map<GridRequest, SparseField> directFields(const VdbBytes& file, const VdbL
                                                 const std::vector<GridOffer>& offers,
                                                 const std::vector<GridRequest>& requests, BlockMemory& memory);
 
-/// What readFields (read_fields.h) returns for these requests. No value, and no message, where OpenVDB is needed for
-/// any of them. Throws as directFields, and Error(input) as checkVdbLayout.
+/// What readFields (read_fields.h) returns for these requests. No value, and no message, where
+/// OpenVDB is needed for any of them. Throws as directFields, and Error(input) as checkVdbLayout.
 std::optional<std::vector<SparseField>> readWithoutOpenVdb(const VdbBytes& file,
                                                            const std::vector<GridRequest>& requests,
                                                            const MessageSink& messages, BlockMemory& memory);

@@ -27,8 +27,8 @@ constexpr std::size_t kBlocksPerTask = 64;
 /// Blocks whose values FieldBuilder keeps together: 2 MB, a large page.
 constexpr std::size_t kBlocksPerChunk = 1024;
 
-/// Smallest normal value. Denormal values count as 0 without a warning: whether a thread can tell them from 0 depends
-/// on its floating-point mode, and the result must not.
+/// Smallest normal value. Denormal values count as 0 without a warning: whether a thread can tell
+/// them from 0 depends on its floating-point mode, and the result must not.
 constexpr float kSmallest = std::numeric_limits<float>::min();
 
 [[noreturn]] void refuse(const std::string& name, const std::string& reason) {
@@ -61,8 +61,8 @@ void checkTiles(const FieldPieces& pieces) {
     }
 }
 
-/// Blocks and tiles lie on nested lattices, so two of them overlap only where the lattice cell of the smaller one lies
-/// in that of the larger.
+/// Blocks and tiles lie on nested lattices, so two of them overlap only where the lattice cell of
+/// the smaller one lies in that of the larger.
 void checkOverlap(const std::string& name, const std::vector<Int3>& sortedBlocks,
                   const std::vector<ConstantTile>& tiles) {
     for (std::size_t i = 1; i < sortedBlocks.size(); ++i)
@@ -97,8 +97,8 @@ void checkOverlap(const std::string& name, const std::vector<Int3>& sortedBlocks
     for (const ConstantTile& tile : tiles) check(tile.origin, tile.edge);
 }
 
-// Repeatedly joins eight tiles of one value that fill a cube; the inside of a level set of radius 500 comes as 400,000
-// small tiles. The result ascends by origin.
+// Repeatedly joins eight tiles of one value that fill a cube; the inside of a level set of radius
+// 500 comes as 400,000 small tiles. The result ascends by origin.
 void joinTiles(std::vector<ConstantTile>& tiles) {
     const auto byOrigin = [](const ConstantTile& a, const ConstantTile& b) { return originLess(a.origin, b.origin); };
     constexpr int kLargest = 4096;  // as in OpenVDB
@@ -189,8 +189,8 @@ void FieldFill::Counts::add(const Counts& c) {
 }
 
 FieldFill::Counts FieldFill::clean(float* values) {
-    // Written so that compilers vectorise it: no branches, 32-bit counts, and the maximum taken over the bits of the
-    // values, whose order is that of non-negative floats.
+    // Written so that compilers vectorise it: no branches, 32-bit counts, and the maximum taken
+    // over the bits of the values, whose order is that of non-negative floats.
     constexpr float kLargest = std::numeric_limits<float>::max();
     std::int32_t active = 0, nonFinite = 0, negative = 0, largest = 0;
     for (int i = 0; i < kBlockVoxels; ++i) {

@@ -18,8 +18,8 @@ namespace scrim {
 /// True if `a` comes before `b` in lattice order: ascending x, then y, then z.
 bool originLess(const Int3& a, const Int3& b);
 
-/// True if `field` has blocks wherever `other` has some, both are on the same lattice, and neither has tiles. One walk
-/// can then splat both, so a colour costs one walk instead of three.
+/// True if `field` has blocks wherever `other` has some, both are on the same lattice, and neither
+/// has tiles. One walk can then splat both, so a colour costs one walk instead of three.
 bool haveOneTopology(const SparseField& field, const SparseField& other);
 
 /// "x, y, z", for messages.
@@ -30,16 +30,16 @@ struct FieldPieces {
     std::string name;
     Mat4 wsFromIs{1.0};
     std::vector<Int3> blockOrigins;  ///< multiples of 8, without repetitions, in any order
-    /// Writes the 512 values of block i (its index in `blockOrigins`) in `blockOffset` order, 0 where a voxel is
-    /// inactive. Called once for each block, from several threads at a time.
+    /// Writes the 512 values of block i (its index in `blockOrigins`) in `blockOffset` order, 0
+    /// where a voxel is inactive. Called once for each block, from several threads at a time.
     std::function<void(std::size_t i, float* values)> fill;
     /// Active tiles in any order. Their edge is 8 times a power of two, and their origin is a multiple of the edge.
     std::vector<ConstantTile> tiles;
 };
 
-/// Checks all of `pieces` except for the values; origins must be sorted by `originLess`. Throws Error(input) where
-/// origins break the rules above, two blocks or tiles overlap, or the transform cannot be inverted; the message names
-/// the grid, not the file.
+/// Checks all of `pieces` except for the values; origins must be sorted by `originLess`. Throws
+/// Error(input) where origins break the rules above, two blocks or tiles overlap, or the transform
+/// cannot be inverted; the message names the grid, not the file.
 void checkPieces(const FieldPieces& pieces);
 
 /// Cleans, counts and sorts: values that are not finite or below 0 become 0 and are counted, denormal ones become 0,
@@ -48,12 +48,12 @@ void checkPieces(const FieldPieces& pieces);
 SparseField buildField(FieldPieces pieces, BlockMemory& memory);
 SparseField buildField(FieldPieces pieces);
 
-/// Makes a field whose values arrive block by block, in any order and from several threads at a time. Cleans, counts
-/// and sorts as `buildField`, which is made of this.
+/// Makes a field whose values arrive block by block, in any order and from several threads at a
+/// time. Cleans, counts and sorts as `buildField`, which is made of this.
 class FieldFill {
   public:
-    /// Takes all of `pieces` but `fill`, which is not called. `memory` must outlive this object. Throws as
-    /// `checkPieces`.
+    /// Takes all of `pieces` but `fill`, which is not called. `memory` must outlive this object.
+    /// Throws as `checkPieces`.
     FieldFill(FieldPieces pieces, BlockMemory& memory);
     ~FieldFill();
     FieldFill(const FieldFill&) = delete;
@@ -93,15 +93,15 @@ class FieldBuilder {
   public:
     FieldBuilder(std::string name, const Mat4& wsFromIs);
 
-    /// Adds a block. `values`: 512 values in `blockOffset` order, which are copied. finish() checks the rules of
-    /// FieldPieces.
+    /// Adds a block. `values`: 512 values in `blockOffset` order, which are copied. finish() checks
+    /// the rules of FieldPieces.
     void addBlock(const Int3& origin, const float* values);
     void addTile(const ConstantTile& tile);
 
     const std::string& name() const { return m_pieces.name; }
 
-    /// Returns the field, as `buildField` does. The builder is empty afterwards. It gives its own memory back to the
-    /// system while it fills that of the field.
+    /// Returns the field, as `buildField` does. The builder is empty afterwards. It gives its own
+    /// memory back to the system while it fills that of the field.
     SparseField finish(BlockMemory& memory);
     SparseField finish();
 

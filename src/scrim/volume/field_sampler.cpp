@@ -56,8 +56,8 @@ Vec3 FieldSampler::difference(const Vec3& is) const {
     return differenceOf(*this, is);
 }
 
-// Interpolates between the eight voxels around `is`. Only the cubes that contain some of the eight are looked up, once
-// each.
+// Interpolates between the eight voxels around `is`. Only the cubes that contain some of the eight
+// are looked up, once each.
 double FieldSampler::linear(const Vec3& is) const {
     const Int3 base = wholeBelow(is), cube = base >> 3, inside = base & 7;
     const BlockIndex::Place first = m_index.at(cube);

@@ -29,16 +29,16 @@ class FieldSampler {
     double nearest(const Vec3& is) const;
     /// The reconstructed field: the sum of all voxels' kernels.
     double value(const Vec3& is) const;
-    /// Central differences of the reconstructed field along the three axes, over one voxel to either side: twice the
-    /// gradient, per voxel.
+    /// Central differences of the reconstructed field along the three axes, over one voxel to
+    /// either side: twice the gradient, per voxel.
     Vec3 difference(const Vec3& is) const;
 
-    /// True only if no voxel is active within the kernel's reach of the ball of `radius` voxels around `is`, so that
-    /// the field is 0 there.
+    /// True only if no voxel is active within the kernel's reach of the ball of `radius` voxels
+    /// around `is`, so that the field is 0 there.
     bool emptyAround(const Vec3& is, double radius) const;
-    /// How far a point can go from `is` along `direction`, in multiples of `direction`, while the linearly
-    /// reconstructed field is known to be constant within `radius` voxels of it along each axis. Below 0 where it is
-    /// not known to be constant at `is` itself.
+    /// How far a point can go from `is` along `direction`, in multiples of `direction`, while the
+    /// linearly reconstructed field is known to be constant within `radius` voxels of it along each
+    /// axis. Below 0 where it is not known to be constant at `is` itself.
     double evenAlong(const Vec3& is, const Vec3& direction, double radius) const;
 
   private:
@@ -50,8 +50,8 @@ class FieldSampler {
     Bounds m_reached;  // outside of it the field is 0
 };
 
-/// Between the eight voxels from `first` on, whose next ones along x and y are `x` and `y` values away and along z the
-/// next; `f` in [0, 1) from the first of them.
+/// Between the eight voxels from `first` on, whose next ones along x and y are `x` and `y` values
+/// away and along z the next; `f` in [0, 1) from the first of them.
 inline double trilinear(const float* first, std::ptrdiff_t x, std::ptrdiff_t y, const Vec3& f) {
     const auto between = [](double a, double b, double t) { return a + t * (b - a); };
     const auto along = [&](const float* at) { return between(double(at[0]), double(at[1]), f.z); };
@@ -65,8 +65,8 @@ class FieldBrick {
   public:
     /// Copies the voxels `lower` to `upper`.
     void fill(const BlockIndex& index, const Int3& lower, const Int3& upper);
-    /// Copies the voxels that look-ups within `is` need. Returns false, and copies nothing, if they are too many, or if
-    /// the field is not interpolated linearly: ask `field` then.
+    /// Copies the voxels that look-ups within `is` need. Returns false, and copies nothing, if they
+    /// are too many, or if the field is not interpolated linearly: ask `field` then.
     bool fill(const FieldSampler& field, const Bounds& is);
 
     /// Interpolates linearly; the eight voxels around `is` must be in the box.
@@ -81,8 +81,8 @@ class FieldBrick {
     /// As FieldSampler::difference.
     Vec3 difference(const Vec3& is) const;
 
-    /// In single precision: the values at `count` points with these coordinates, which are not negative and count from
-    /// the first voxel of the box.
+    /// In single precision: the values at `count` points with these coordinates, which are not
+    /// negative and count from the first voxel of the box.
     void values(const std::array<const float*, 3>& from, int count, float* values) const;
     /// In single precision: adds `sign` times the values at the points i + f, for all i of a block in blockOffset order
     /// and one f in [0, 1). Points count from the first voxel of the box, which must be 9 voxels wide.

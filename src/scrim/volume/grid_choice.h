@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the grid of a file, or of a volume source, that a request means. It uses names and types only, so that grids
-// can be chosen before any of them is read.
+// Finds the grid of a file, or of a volume source, that a request means. It uses names and types
+// only, so that grids can be chosen before any of them is read.
 #pragma once
 
 #include <scrim/volume/grid_request.h>
@@ -58,8 +58,8 @@ std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& r
 /// "'density' (float), 'v' (vec3s)", or "none".
 std::string listOf(const std::vector<GridOffer>& offers);
 
-/// The names by which requests find the scalar grids: "density", or "density[0]", "density[1]" where a name is not
-/// unique, or "[0]" for a grid without a name.
+/// The names by which requests find the scalar grids: "density", or "density[0]", "density[1]"
+/// where a name is not unique, or "[0]" for a grid without a name.
 std::vector<std::string> scalarNames(const std::vector<GridOffer>& offers);
 
 }  // namespace scrim

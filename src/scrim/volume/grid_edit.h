@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene does to the grids of a volume before they become fields: putting them together from several files,
-// cutting, refining, expressions in OpenVDB AX.
+// What a scene does to the grids of a volume before they become fields: putting them together from
+// several files, cutting, refining, expressions in OpenVDB AX.
 // This is the description alone; GridEditor (grid_editor.h) carries it out.
 #pragma once
 
@@ -34,8 +34,8 @@ struct AxCode {
     int line = 1, column = 1;  ///< place of the first character of `text` in `file`
 
     bool operator==(const AxCode&) const = default;
-    /// The place of a character of `text`, of which AX says that it is in this line and column, from 1:
-    /// "scene.toml:9:3".
+    /// The place of a character of `text`, of which AX says that it is in this line and column,
+    /// from 1: "scene.toml:9:3".
     std::string placeOf(int axLine, int axColumn) const;
 };
 
@@ -77,8 +77,8 @@ struct GridEdit {
     std::vector<AxVariable> variables;  ///< for all programs
     std::string where;                  ///< where the scene gives the first of all that
     PointLook points = {};              ///< how points become grids, before all that
-    /// The density is shaded on voxels divided by this factor, where that shows; 0: as fine as its noise is. Readers of
-    /// grids have no part in it.
+    /// The density is shaded on voxels divided by this factor, where that shows; 0: as fine as its
+    /// noise is. Readers of grids have no part in it.
     int detail = 1;
 
     /// True if grids are not read as they are.
@@ -88,8 +88,8 @@ struct GridEdit {
     bool operator==(const GridEdit&) const = default;
 };
 
-/// Convert to text for other processes, and back; equal edits have equal texts. The latter throws Error(usage) where
-/// the text is not such a text.
+/// Convert to text for other processes, and back; equal edits have equal texts. The latter throws
+/// Error(usage) where the text is not such a text.
 std::string toText(const GridEdit& edit);
 GridEdit gridEditFrom(const std::string& text);
 

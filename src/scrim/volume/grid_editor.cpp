@@ -47,8 +47,8 @@ openvdb::GridBase::Ptr* find(EditedGrids& all, const std::string& name) {
 /// Voxels beyond the box that are kept, because what is reconstructed in it, and its gradient, depends on them.
 constexpr double kReach = 3;
 
-/// Leaves out the voxels that are so far outside of the box that nothing in it depends on them. The box itself is cut
-/// out later, within voxels.
+/// Leaves out the voxels that are so far outside of the box that nothing in it depends on them. The
+/// box itself is cut out later, within voxels.
 template <typename Grid>
 void clip(Grid& grid, const Bounds& ws) {
     openvdb::BBoxd isBox;

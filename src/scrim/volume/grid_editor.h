@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: carries out what a scene does to the grids of a volume (grid_edit.h). Only the .cpp files that use OpenVDB
-// include this header.
+// Internal: carries out what a scene does to the grids of a volume (grid_edit.h). Only the .cpp
+// files that use OpenVDB include this header.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -22,8 +22,8 @@ struct EditedGrids {
 
 class GridEditor {
   public:
-    /// Compiles the expressions. `ax` may be null where there are none. Throws Error(input) with the place of the first
-    /// mistake.
+    /// Compiles the expressions. `ax` may be null where there are none. Throws Error(input) with
+    /// the place of the first mistake.
     GridEditor(GridEdit edit, const AxModule* ax);
     GridEditor(const GridEditor&) = delete;
     GridEditor& operator=(const GridEditor&) = delete;

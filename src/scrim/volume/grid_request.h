@@ -9,8 +9,8 @@
 
 namespace scrim {
 
-/// The part of a grid's numbers that counts. A field holds no number below 0, so a grid with both signs becomes two
-/// fields, whose difference it is.
+/// The part of a grid's numbers that counts. A field holds no number below 0, so a grid with both
+/// signs becomes two fields, whose difference it is.
 enum class GridPart {
     whole,     ///< all numbers; those below 0 are errors and count as 0
     positive,  ///< for velocities: numbers above 0, others as 0
@@ -26,9 +26,9 @@ enum class GridPart {
 
 /// A scalar grid as it is, or one component of a colour or a velocity.
 struct GridRequest {
-    /// For a scalar, the name as chooseGrid (grid_choice.h) understands it. A colour or velocity is a vec3 grid of this
-    /// name, or three scalar grids with .x, .y, .z (or .r, .g, .b) after it; a colour may also be one scalar grid,
-    /// which is grey.
+    /// For a scalar, the name as chooseGrid (grid_choice.h) understands it. A colour or velocity is
+    /// a vec3 grid of this name, or three scalar grids with .x, .y, .z (or .r, .g, .b) after it; a
+    /// colour may also be one scalar grid, which is grey.
     std::string grid;
     int component = kScalar;  ///< kScalar, or 0, 1, 2 for red, green, blue or x, y, z
     /// Components of a velocity keep their positions: the faces of voxels where the grid's class is "staggered".
@@ -49,8 +49,8 @@ constexpr bool isList(GridPart part) {
 /// The request for the grid that a list is of, or else the same.
 GridRequest withoutList(GridRequest request);
 
-/// Convert a request to one word for other processes, "scalar:density", "0:Cd", "+0:velocity", "-scalar:vx", "*0:Cd"
-/// (of points), "@0:spray" (places), "*+0:v", "*-0:v", and back.
+/// Convert a request to one word for other processes, "scalar:density", "0:Cd", "+0:velocity",
+/// "-scalar:vx", "*0:Cd" (of points), "@0:spray" (places), "*+0:v", "*-0:v", and back.
 /// The latter throws Error(usage) for any other text.
 std::string toText(const GridRequest& request);
 GridRequest gridRequestFrom(const std::string& text);

@@ -53,8 +53,8 @@ double kernelValue(Kernel kernel, const Vec3& o) {
 }
 
 std::span<const double> twoScaleWeights(Kernel kernel) {
-    // The weights on both sides are 1/2, 1, 1/2 (linear) and 1, 4, 6, 4, 1 eighths (cubic); the table holds those from
-    // the centre outwards.
+    // The weights on both sides are 1/2, 1, 1/2 (linear) and 1, 4, 6, 4, 1 eighths (cubic); the
+    // table holds those from the centre outwards.
     static constexpr double kLinear[] = {1, 0.5}, kCubic[] = {6.0 / 8, 4.0 / 8, 1.0 / 8};
     if (kernel == Kernel::linear) return kLinear;
     if (kernel == Kernel::bspline) return kCubic;

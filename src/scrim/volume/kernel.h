@@ -10,8 +10,8 @@
 
 namespace scrim {
 
-/// Half the extent of the region where the kernel is not 0, measured along a coordinate that is the linear form `row`
-/// of index-space offsets.
+/// Half the extent of the region where the kernel is not 0, measured along a coordinate that is the
+/// linear form `row` of index-space offsets.
 double kernelExtent(Kernel kernel, const Vec3& row);
 
 /// The kernel at `offset` (index space, voxels) from a voxel's centre. Its integral over index space is 1.

@@ -45,8 +45,8 @@ ParameterDescription describe(const scrim_parameter& p, const std::string& path)
     return out;
 }
 
-/// The descriptions of all parameters. Their stride is the size of the source's own structure, which may be larger than
-/// ours.
+/// The descriptions of all parameters. Their stride is the size of the source's own structure,
+/// which may be larger than ours.
 std::vector<ParameterDescription> describeAll(const scrim_source& source, const std::string& path) {
     std::vector<ParameterDescription> out;
     if (source.parameter_count == 0) return out;
@@ -114,8 +114,8 @@ std::vector<SparseField> LoadedSource::run(const SourceParameters& parameters, c
     try {
         code = m_abi->generate(host.abi(), values.values.data());
     } catch (...) {
-        // The interface leaves this undefined, but where the run-time can carry the exception, a reason is better than
-        // an abort.
+        // The interface leaves this undefined, but where the run-time can carry the exception, a
+        // reason is better than an abort.
         throw Error(ErrorKind::input, where + ": it threw an exception; a source must not throw");
     }
     return host.finish(code, memory);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: one shared object that makes volumes (scrim_source.h). source.h finds it; the program `scrim-load` is told
-// its path.
+// Internal: one shared object that makes volumes (scrim_source.h). source.h finds it; the program
+// `scrim-load` is told its path.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -25,14 +25,14 @@ std::string sourceNameOf(const std::string& path);
 
 class LoadedSource {
   public:
-    /// Loads the file and never unloads it, because its code may have started threads or registered handlers. Throws
-    /// Error(input) "`path`: ..." where it is not a source.
+    /// Loads the file and never unloads it, because its code may have started threads or registered
+    /// handlers. Throws Error(input) "`path`: ..." where it is not a source.
     explicit LoadedSource(const std::string& path);
 
     const SourceDescription& description() const { return m_description; }
 
-    /// As `generate` (source.h); values lie in `memory`. `alone`: this process was made for the call and is confined
-    /// (src/load).
+    /// As `generate` (source.h); values lie in `memory`. `alone`: this process was made for the
+    /// call and is confined (src/load).
     std::vector<SparseField> run(const SourceParameters& parameters, const MessageSink& messages,
                                  const ProgressSink& progress, BlockMemory& memory, bool alone = false) const;
 

@@ -11,9 +11,9 @@ namespace scrim {
 /// True where the file begins as a NanoVDB file.
 bool isNanoVdb(const VdbBytes& bytes);
 
-/// `bytes` must begin as such a file. Grids of types that are read get the type of the OpenVDB grid that is made of
-/// them, others "NanoVDB NAME". Throws Error(input) "path: truncated or damaged: ...", or where the file's version is
-/// not read.
+/// `bytes` must begin as such a file. Grids of types that are read get the type of the OpenVDB grid
+/// that is made of them, others "NanoVDB NAME". Throws Error(input) "path: truncated or damaged:
+/// ...", or where the file's version is not read.
 VdbLayout checkNanoLayout(const VdbBytes& bytes);
 
 }  // namespace scrim

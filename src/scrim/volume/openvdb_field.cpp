@@ -23,8 +23,8 @@ namespace {
 /// grid could grow without bounds. (The box counts, not the active part; a frustum fills about half of it.)
 constexpr double kMaxResampledVoxels = 1e9;
 
-/// The grid resampled on an affine lattice of world-aligned cubes, as large as the smallest edge of a voxel in the
-/// grid's middle.
+/// The grid resampled on an affine lattice of world-aligned cubes, as large as the smallest edge of
+/// a voxel in the grid's middle.
 openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& grid, const std::string& where,
                                   const MessageSink& messages) {
     openvdb::FloatGrid::Ptr out = openvdb::FloatGrid::create(0);

@@ -90,9 +90,9 @@ void levelSetIntoFog(openvdb::GridBase& grid, const std::string& where, const Me
 SparseField colourFromGrid(openvdb::GridBase::Ptr grid, int component, const std::string& where,
                            const MessageSink& messages, BlockMemory& memory);
 
-/// The numbers of a velocity that are above 0, or those below 0 without their sign (`negative`), as a field. It is a
-/// component of a vec3 grid, named with ".x", ".y" or ".z" (placed on the faces of voxels where the grid is staggered),
-/// or a scalar grid (kScalar).
+/// The numbers of a velocity that are above 0, or those below 0 without their sign (`negative`), as
+/// a field. It is a component of a vec3 grid, named with ".x", ".y" or ".z" (placed on the faces of
+/// voxels where the grid is staggered), or a scalar grid (kScalar).
 SparseField velocityFromGrid(openvdb::GridBase::Ptr grid, int component, bool negative, const std::string& where,
                              const MessageSink& messages, BlockMemory& memory);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of a file: dust, sparks, spray. They are read from OpenVDB's point grids (point_grid.h), PLY and NumPy files
-// (point_file.h), and become voxels by point_raster.h.
+// Points of a file: dust, sparks, spray. They are read from OpenVDB's point grids (point_grid.h),
+// PLY and NumPy files (point_file.h), and become voxels by point_raster.h.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -38,8 +38,8 @@ struct PointLook {
     double scale = 1;    ///< factor on radii
     double voxel = 0;    ///< edge of voxels in world units of the file; 0: chosen by radii
     bool discs = false;  ///< a point weighs as much as its disc, else as its ball
-    /// The eye sees the points themselves (PointRaster::list), and voxels only make their light; none: where they are
-    /// small beside the voxels that are affordable.
+    /// The eye sees the points themselves (PointRaster::list), and voxels only make their light;
+    /// none: where they are small beside the voxels that are affordable.
     std::optional<bool> sharp = {};
     /// When velocities are looked at: at points that have moved for these times.
     double open = 0, close = 0;

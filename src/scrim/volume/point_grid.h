@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: reads OpenVDB's point grids, and makes grids of the voxels that points become. Only the .cpp files that use
-// OpenVDB include this header.
+// Internal: reads OpenVDB's point grids, and makes grids of the voxels that points become. Only the
+// .cpp files that use OpenVDB include this header.
 #pragma once
 
 #include <scrim/volume/point_cloud.h>

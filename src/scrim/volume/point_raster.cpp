@@ -235,8 +235,8 @@ void PointRaster::setVoxel(double voxel) {
     m_wsFromIs[3] = glm::dvec4(origin, 1.0);
 }
 
-/// Half of the usual radius, so that a ball is four voxels across; or twice that, and so on, where that takes too much
-/// memory.
+/// Half of the usual radius, so that a ball is four voxels across; or twice that, and so on, where
+/// that takes too much memory.
 void PointRaster::chooseVoxel(const MessageSink& messages) {
     constexpr double kAsPoints = 2;  // radii
     if (m_radii.empty()) return setVoxel(m_look.voxel > 0 ? m_look.voxel : 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns points into voxels. Each point is a ball; where its ball is smaller than voxels, the nearest of these share its
-// weight so that its sum and its centre stay. The sum over all voxels, times their volume, does not depend on their
-// edge. Only blocks that a ball touches exist.
+// Turns points into voxels. Each point is a ball; where its ball is smaller than voxels, the
+// nearest of these share its weight so that its sum and its centre stay. The sum over all voxels,
+// times their volume, does not depend on their edge. Only blocks that a ball touches exist.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -35,8 +35,8 @@ struct PointBlocks {
     std::vector<std::size_t> first;       ///< into `touching`: of each block, and of the end
 };
 
-/// The attribute that holds the radii of points, and the factor on it: `pscale`, `radius`, or half of `width`. No value
-/// where they have none.
+/// The attribute that holds the radii of points, and the factor on it: `pscale`, `radius`, or half
+/// of `width`. No value where they have none.
 struct PointRadii {
     const PointAttribute* attribute;
     double scale;
@@ -56,8 +56,8 @@ class PointRaster {
     bool sharp() const { return m_sharp; }
     const Mat4& wsFromIs() const { return m_wsFromIs; }
 
-    /// The points as they are; or as wide as needed by a velocity, which must be known wherever they pass between
-    /// PointLook::open and close (null: they do not move).
+    /// The points as they are; or as wide as needed by a velocity, which must be known wherever
+    /// they pass between PointLook::open and close (null: they do not move).
     PointBlocks blocks() const;
     PointBlocks blocksOnWay(const PointAttribute* velocity) const;
 
@@ -79,8 +79,8 @@ class PointRaster {
     std::vector<SparseField> fields(const PointBlocks& blocks, const PointAttribute* attribute,
                                     const std::vector<Wanted>& wanted, BlockMemory& memory) const;
 
-    /// Which number of each point a list holds: an attribute's component, the density within a point, a coordinate of
-    /// its place, or its radius.
+    /// Which number of each point a list holds: an attribute's component, the density within a
+    /// point, a coordinate of its place, or its radius.
     struct Listed {
         std::string name;
         GridPart part = GridPart::ofPoints;

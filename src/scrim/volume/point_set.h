@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: the points of a file, and what requests mean among them. Points are a density by the name of their grid,
-// and each of their attributes is a grid by its own name or "GRID.NAME".
+// Internal: the points of a file, and what requests mean among them. Points are a density by the
+// name of their grid, and each of their attributes is a grid by its own name or "GRID.NAME".
 #pragma once
 
 #include <scrim/volume/grid_choice.h>

@@ -17,8 +17,8 @@ namespace scrim {
 
 class GridEditor;
 
-/// The fields that `requests` mean, in their order. Each message is sent once, although a grey grid is read once for
-/// each component. Values lie in `memory`.
+/// The fields that `requests` mean, in their order. Each message is sent once, although a grey grid
+/// is read once for each component. Values lie in `memory`.
 std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
                                     const MessageSink& messages, BlockMemory& memory, const PointLook& look = {});
 /// The fields that `requests` mean among the grids of several files, after `editor` has edited these.

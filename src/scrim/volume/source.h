@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volume sources: finds, loads and runs the shared objects that make volumes (scrim_source.h). Those that read files
-// may run in another process: see load_fields.h.
+// Volume sources: finds, loads and runs the shared objects that make volumes (scrim_source.h).
+// Those that read files may run in another process: see load_fields.h.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -17,8 +17,8 @@ namespace scrim {
 /// $SCRIM_PLUGIN_PATH, ../lib/scrim/sources beside the running program, scrim/sources beside this library.
 std::vector<std::string> sourceFolders();
 
-/// All sources by name; of two with the same name, the one found first. A source that cannot be loaded is left out with
-/// a warning.
+/// All sources by name; of two with the same name, the one found first. A source that cannot be
+/// loaded is left out with a warning.
 std::vector<SourceDescription> listSources(const MessageSink& messages);
 
 /// The path of one source's shared object. Throws Error(input), which lists those found, where it is missing.

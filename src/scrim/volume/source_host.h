@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: the host's side of the plug-in ABI during one call of a source's `generate`. Everything that a source
-// passes is checked here; our exceptions are kept until the source has returned.
+// Internal: the host's side of the plug-in ABI during one call of a source's `generate`. Everything
+// that a source passes is checked here; our exceptions are kept until the source has returned.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -24,8 +24,8 @@ class SourceHost {
     /// The pointer to pass to the source; valid as long as this object.
     const scrim_host* abi() const { return &m_abi; }
 
-    /// The grids, once `generate` has returned `code`; their values lie in `memory`. Throws the error of the call, if
-    /// there was one.
+    /// The grids, once `generate` has returned `code`; their values lie in `memory`. Throws the
+    /// error of the call, if there was one.
     std::vector<SparseField> finish(int code, BlockMemory& memory);
 
   private:

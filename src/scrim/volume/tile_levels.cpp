@@ -73,8 +73,8 @@ class TileLevels::Split {
         return e * e * e;
     }
 
-    // Coarser voxels may fill a tile, or a part of it, if everything that their kernels reach beyond it has the tile's
-    // value, too.
+    // Coarser voxels may fill a tile, or a part of it, if everything that their kernels reach
+    // beyond it has the tile's value, too.
     void take(const ConstantTile& tile) {
         const auto alike = [&](const Int3& cube) {
             const BlockIndex::Place place = m_index.at(cube);

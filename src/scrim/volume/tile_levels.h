@@ -16,8 +16,8 @@
 
 namespace scrim {
 
-/// Some of a field's constant voxels in an index space of their own: voxel i of level k lies at voxel 2^k i of the
-/// field.
+/// Some of a field's constant voxels in an index space of their own: voxel i of level k lies at
+/// voxel 2^k i of the field.
 struct TileLevel {
     /// Constant tiles, and blocks next to voxels of another level. Only the origins of the blocks are stored in it.
     std::shared_ptr<const SparseField> field;
@@ -26,9 +26,9 @@ struct TileLevel {
 
 class TileLevels {
   public:
-    /// Makes at most `levels` levels beside the field's own; none at all where no region is large enough, in which case
-    /// the tiles must be splatted as they are. `weights`: the two-scale weights of voxels at distance 0, 1, ... from a
-    /// coarser voxel along an axis; fewer than 4.
+    /// Makes at most `levels` levels beside the field's own; none at all where no region is large
+    /// enough, in which case the tiles must be splatted as they are. `weights`: the two-scale
+    /// weights of voxels at distance 0, 1, ... from a coarser voxel along an axis; fewer than 4.
     TileLevels(const SparseField& field, std::span<const double> weights, int levels);
     TileLevels(TileLevels&&) = default;
 
@@ -40,8 +40,8 @@ class TileLevels {
     class Split;
 
     std::vector<TileLevel> m_levels;
-    // The rest that a coarser level leaves of a block, shared by all blocks with the same value and the same
-    // arrangement of coarser cubes; keyed by these two.
+    // The rest that a coarser level leaves of a block, shared by all blocks with the same value and
+    // the same arrangement of coarser cubes; keyed by these two.
     std::map<std::pair<float, int>, std::unique_ptr<const Block>> m_blocks;
 };
 

@@ -13,9 +13,9 @@
 
 namespace scrim {
 
-/// The box, in the file's own world space, around the active voxels of the grids that `requests` mean, extended by two
-/// voxels on each side so that it contains everything a kernel of reach 2 makes of them. Empty where they have no
-/// active voxels.
+/// The box, in the file's own world space, around the active voxels of the grids that `requests`
+/// mean, extended by two voxels on each side so that it contains everything a kernel of reach 2
+/// makes of them. Empty where they have no active voxels.
 ///
 /// No value where the box cannot be known without reading the voxels: the file cannot be read, is old, was written to a
 /// pipe or is damaged, or it lacks such a grid, the grid's bounds or an affine transform. Never throws. The file's

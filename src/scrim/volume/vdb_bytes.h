@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: random access to the bytes of a .vdb file, in memory or on disk, and a reader that walks along them and
-// never past their end. From disk only the requested bytes are read. The file is not mapped, since a file that shrinks
-// under a mapping kills the process.
+// Internal: random access to the bytes of a .vdb file, in memory or on disk, and a reader that
+// walks along them and never past their end. From disk only the requested bytes are read. The file
+// is not mapped, since a file that shrinks under a mapping kills the process.
 #pragma once
 
 #include <scrim/base/error.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The description of a .vdb file and of its grids: plain data without OpenVDB's types, so that it can be printed, sent
-// to another process and tested separately.
+// The description of a .vdb file and of its grids: plain data without OpenVDB's types, so that it
+// can be printed, sent to another process and tested separately.
 #pragma once
 
 #include <scrim/geometry/spaces.h>

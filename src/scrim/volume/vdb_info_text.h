@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VdbFileInfo as JSON, for other processes and for programs that ask for it. It is a separate file because the JSON
-// library is slow to compile.
+// VdbFileInfo as JSON, for other processes and for programs that ask for it. It is a separate file
+// because the JSON library is slow to compile.
 #pragma once
 
 #include <scrim/volume/vdb_info.h>

@@ -54,8 +54,8 @@ struct VdbLayout {
     std::vector<Grid> grids;
 };
 
-/// Of an OpenVDB or a NanoVDB file, or of points. Throws Error(input) "path: not a VDB file (...)" or "path: truncated
-/// or damaged:
+/// Of an OpenVDB or a NanoVDB file, or of points. Throws Error(input) "path: not a VDB file (...)"
+/// or "path: truncated or damaged:
 /// ...".
 VdbLayout checkVdbLayout(const VdbBytes& bytes);
 VdbLayout checkVdbLayout(const std::string& path, std::span<const char> bytes);

@@ -29,8 +29,8 @@ struct VdbFile::Content {
     virtual std::string asFile() const = 0;
 };
 
-/// Each implements the function that calls it: VdbFile::open (null requests: read the whole file; null memory: read all
-/// fields from grids),
+/// Each implements the function that calls it: VdbFile::open (null requests: read the whole file;
+/// null memory: read all fields from grids),
 /// VdbFile::of, writeVdb and writeVdbGrids.
 std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
                                                  BlockMemory* memory, const PointLook& look);
@@ -57,8 +57,8 @@ struct VdbModule {
 #define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_7"
 using VdbModuleFunction = const VdbModule* (*)();
 
-/// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where it cannot be
-/// loaded. `scrim-load` has a module of its own.
+/// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where
+/// it cannot be loaded. `scrim-load` has a module of its own.
 const VdbModule& vdbModule();
 
 }  // namespace scrim

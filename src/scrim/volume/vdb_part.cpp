@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t kWindow = 256 << 10;  // bytes that are read at once
 constexpr std::size_t kVersionAt = 8;       // behind the magic number
 
-/// The first `size` bytes of the file with another version. OpenVDB would print a warning about a newer version than it
-/// knows, which the confined process must not; the caller warns.
+/// The first `size` bytes of the file with another version. OpenVDB would print a warning about a
+/// newer version than it knows, which the confined process must not; the caller warns.
 std::string headOf(const VdbBytes& file, std::uint64_t size, std::uint32_t version) {
     std::string head(size, '\0');
     file.copy(0, size, head.data());

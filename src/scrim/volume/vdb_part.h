@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: a stream over the bytes of a .vdb file that hold the grids which somebody wants, and nothing else. It reads
-// piece by piece, so that a file is never in memory as a whole.
+// Internal: a stream over the bytes of a .vdb file that hold the grids which somebody wants, and
+// nothing else. It reads piece by piece, so that a file is never in memory as a whole.
 #pragma once
 
 #include <scrim/volume/grid_request.h>
@@ -17,9 +17,9 @@
 
 namespace scrim {
 
-/// The indices of the grids that `requests` need, and of those called `others`, in the file's order. No value where the
-/// whole file must be read, because it does not say where its grids are, or one of the grids shares the voxels of
-/// another.
+/// The indices of the grids that `requests` need, and of those called `others`, in the file's
+/// order. No value where the whole file must be read, because it does not say where its grids are,
+/// or one of the grids shares the voxels of another.
 std::optional<std::vector<std::size_t>> neededGrids(const VdbLayout& layout, const std::vector<GridRequest>& requests,
                                                     const std::vector<std::string>& others);
 
@@ -30,8 +30,8 @@ class VdbStream : public std::streambuf {
     VdbStream(const VdbBytes& file, std::uint64_t begin, std::uint64_t end);
     /// The whole file, as one of version `version`.
     VdbStream(const VdbBytes& file, std::uint32_t version);
-    /// A file of that version which contains only the grids of `file` at `places`. The offsets in the descriptors are
-    /// those of the original, but OpenVDB's stream does not use them.
+    /// A file of that version which contains only the grids of `file` at `places`. The offsets in
+    /// the descriptors are those of the original, but OpenVDB's stream does not use them.
     VdbStream(const VdbBytes& file, std::uint32_t version, const VdbLayout& layout,
               const std::vector<std::size_t>& places);
 

@@ -84,8 +84,8 @@ void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, c
                                         kMessageLimit));
 }
 
-/// Turns OpenVDB's error into ours. Its message about points whose attributes have a third-party codec ends with the
-/// codec's name.
+/// Turns OpenVDB's error into ours. Its message about points whose attributes have a third-party
+/// codec ends with the codec's name.
 [[noreturn]] void failToParse(const std::string& path, const std::string& damaged, const std::string& what) {
     constexpr std::string_view kUnregistered = "Cannot create attribute of unregistered type ";
     const std::size_t at = what.find(kUnregistered);

@@ -42,8 +42,8 @@ struct VdbTree {
     std::uint64_t leavesAt = 0;  ///< where in the file the values of the leaves begin
 };
 
-/// The tree of a grid of floats, or of vectors of three floats. No value where OpenVDB is needed for it. Throws
-/// Error(input) where the file ends too early, std::bad_alloc.
+/// The tree of a grid of floats, or of vectors of three floats. No value where OpenVDB is needed
+/// for it. Throws Error(input) where the file ends too early, std::bad_alloc.
 std::optional<VdbTree> readVdbTree(const VdbBytes& file, const VdbLayout& layout, const VdbLayout::Grid& grid);
 
 }  // namespace scrim

@@ -26,8 +26,8 @@ struct VdbGrid {
     std::vector<std::pair<std::string, std::string>> metadata;
 };
 
-/// Writes `grids` in the same way. Voxels are active where `active` says so, and 0 elsewhere. `metadata` belongs to the
-/// file.
+/// Writes `grids` in the same way. Voxels are active where `active` says so, and 0 elsewhere.
+/// `metadata` belongs to the file.
 void writeVdbGrids(const std::string& path, const std::vector<VdbGrid>& grids,
                    const std::vector<std::pair<std::string, std::string>>& metadata = {});
 

@@ -20,9 +20,9 @@ namespace {
 
 constexpr double kSmall = 0.5;  // pixels; the radius of the largest ball that is one point
 constexpr double kStep = 0.5;   // pixels; of the points of a way
-// Pixels; the width of rings, and the distance of points along them. Where they are by chance closer, a pixel of an
-// opaque ball would hide more than everything, and send more than the ball does, by up to 2.5 %. That is lost: up to
-// 0.2 % of the ball.
+// Pixels; the width of rings, and the distance of points along them. Where they are by chance
+// closer, a pixel of an opaque ball would hide more than everything, and send more than the ball
+// does, by up to 2.5 %. That is lost: up to 0.2 % of the ball.
 constexpr double kRing = 0.25;
 constexpr int kMostSteps = 1 << 12;       // of a ball along its way
 constexpr double kMostRings = 1 << 12;    // a ball larger than this, in half pixels, is drawn coarser
@@ -291,8 +291,8 @@ ShadeWork BallSheets::enter(int firstSheet, int count) {
     return sum;
 }
 
-// Lights up to 256 balls of one volume in one sheet. Each is shaded as a sheet so thin that nothing in it hides
-// anything else, of which the ball is a multiple.
+// Lights up to 256 balls of one volume in one sheet. Each is shaded as a sheet so thin that nothing
+// in it hides anything else, of which the ball is a multiple.
 ShadeWork BallSheets::shade(std::size_t first, std::size_t last, int plane) {
     const Kind& kind = *m_kinds[m_balls[first].kind];
     const Sheets& sheets = m_group.sheets;
@@ -381,8 +381,8 @@ void BallSheets::listTiles(int count) {
     });
 }
 
-// Calls add(pixel of the tile, shares) for the pixels that see a ball, perhaps several times: the integral of its
-// profile over the part that the pixel sees, in pixels, for each colour.
+// Calls add(pixel of the tile, shares) for the pixels that see a ball, perhaps several times: the
+// integral of its profile over the part that the pixel sees, in pixels, for each colour.
 template <class Add>
 void BallSheets::draw(const Ball& ball, int tile, const Add& add) const {
     const Kind& kind = *m_kinds[ball.kind];
@@ -431,9 +431,9 @@ void BallSheets::draw(const Ball& ball, int tile, const Add& add) const {
     }
 }
 
-// Adds a ball, of which `shares` are seen, to those in front of it. The rest of the sheet is even between its two
-// faces: `infront` of it is in front of the ball, and hides it; the ball hides what is behind. `rest` is the rest's
-// sample.
+// Adds a ball, of which `shares` are seen, to those in front of it. The rest of the sheet is even
+// between its two faces: `infront` of it is in front of the ball, and hides it; the ball hides what
+// is behind. `rest` is the rest's sample.
 void BallSheets::addBall(const Ball& ball, const Real* own, const Real* shares, const Real* rest, Mixed& mixed,
                          Real* sums) const {
     const int last = m_layout.floats() - 4;
@@ -442,8 +442,8 @@ void BallSheets::addBall(const Ball& ball, const Real* own, const Real* shares, 
     for (int c = 0; c < 3; ++c) {
         const int at = last + (m_layout.coloured ? c : 3);
         const Real there = std::clamp(-rest[at], Real(0), Real(1));
-        // What the rest in front hides, 1 - (1 - there)^infront, and how much of the rest's light is from behind: of
-        // `there` the part (1 - there)^infront - (1 - there).
+        // What the rest in front hides, 1 - (1 - there)^infront, and how much of the rest's light
+        // is from behind: of `there` the part (1 - there)^infront - (1 - there).
         Real hiding = 0, behind = 1 - infront;
         if (there > 0 && infront > 0) {
             hiding = -std::expm1(infront * std::log1p(-there));

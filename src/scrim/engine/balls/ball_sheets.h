@@ -29,14 +29,14 @@ namespace scrim {
 
 class BallSheets {
   public:
-    /// All must outlive this object. `region`: the picture's pixels, whose tiles are numbered row by row (tilesAround).
-    /// `others` are those of the level's shader.
+    /// All must outlive this object. `region`: the picture's pixels, whose tiles are numbered row
+    /// by row (tilesAround). `others` are those of the level's shader.
     BallSheets(const ViewScene& scene, const Plan& plan, const LevelSheets& level, const EyeView& eye,
                const PixelWindow& region, const std::vector<CellLight>& cellLight, const OtherLevels& others = {});
     ~BallSheets();
 
-    /// Lights the balls of sheets [firstSheet, firstSheet + count), the batch that the level's sheets and lights are
-    /// in.
+    /// Lights the balls of sheets [firstSheet, firstSheet + count), the batch that the level's
+    /// sheets and lights are in.
     ShadeWork enter(int firstSheet, int count);
 
     /// True if a ball of sheet `sheet` of the batch touches a tile of the picture; different threads may ask.

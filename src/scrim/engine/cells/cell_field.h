@@ -16,9 +16,9 @@
 
 namespace scrim {
 
-/// Light on cells: radiance towards the eye per unit of scattering coefficient, which equals that of an equivalent
-/// uniform environment. It is interpolated linearly between the centres of those cells that are on the same side of the
-/// grid's walls.
+/// Light on cells: radiance towards the eye per unit of scattering coefficient, which equals that
+/// of an equivalent uniform environment. It is interpolated linearly between the centres of those
+/// cells that are on the same side of the grid's walls.
 class CellField {
   public:
     using LastBlock = CellGrid::LastBlock;
@@ -36,9 +36,9 @@ class CellField {
     const Real* block(std::size_t b) const { return m_values.data() + b * kPaddedCells * m_colours; }
     /// The values of a stored cell, in its own block.
     Real* cell(std::size_t index);
-    /// Calls visit(place, values) once for each cell of all blocks, and for those around a block that no other block
-    /// has, in parallel; then fills what is around blocks. Places are counted along each axis from the corner of the
-    /// grid's box.
+    /// Calls visit(place, values) once for each cell of all blocks, and for those around a block
+    /// that no other block has, in parallel; then fills what is around blocks. Places are counted
+    /// along each axis from the corner of the grid's box.
     template <class Visit>
     void forCells(const Visit& visit);
     /// Adds light(centre) to every cell: to the first colour, or to all three. `light` is called by many threads.

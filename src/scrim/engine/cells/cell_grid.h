@@ -54,8 +54,8 @@ class CellGrid {
     static CellGrid coarser(const CellGrid& fine);
     /// `row`, which has a value for each cell, on the grid that `coarser` made from this one: means over 2^3 cells.
     std::vector<Real> means(const std::vector<Real>& row, const CellGrid& coarse) const;
-    /// Boxes within all blocks of such a grid that solids which stop light pass closely, for its constructor: those in
-    /// `wsNear`, or in `wsFar` where they also send light back.
+    /// Boxes within all blocks of such a grid that solids which stop light pass closely, for its
+    /// constructor: those in `wsNear`, or in `wsFar` where they also send light back.
     static std::vector<Bounds> boxesOfWalls(const Solids& solids, double edge, const Bounds& wsNear,
                                             const Bounds& wsFar);
 
@@ -108,19 +108,19 @@ class CellGrid {
     bool hasWalls() const { return !m_walled.empty(); }
     /// The number of block `b` among the blocks with walls; -1: it has none.
     std::int32_t walled(std::size_t b) const { return m_walled.empty() ? -1 : m_walled[b]; }
-    /// What is open of the lower face across `axis` of each cell of a block with walls, and of the cells around it
-    /// (kPaddedCells values), in parts of kAllOpen.
+    /// What is open of the lower face across `axis` of each cell of a block with walls, and of the
+    /// cells around it (kPaddedCells values), in parts of kAllOpen.
     const std::uint8_t* open(std::int32_t walled, int axis) const {
         return m_open.data() + (std::size_t(walled) * 3 + std::size_t(axis)) * kPaddedCells;
     }
     /// True if no wall stands between two points.
     bool sees(const Vec3& wsFrom, const Vec3& wsTo) const;
-    /// A point near the centre of a cell, which stands for the cell where walls are concerned. It lies beside the
-    /// places that walls like, such as the middle between two voxels.
+    /// A point near the centre of a cell, which stands for the cell where walls are concerned. It
+    /// lies beside the places that walls like, such as the middle between two voxels.
     Vec3 wsInside(const Int3& place) const { return wsFromCs(Vec3(place) + Vec3(0.5113, 0.5171, 0.5237)); }
-    /// A bit for each of eight neighbouring cells: it is set if the cell is on the same side of the walls as `ws`,
-    /// which lies between their centres. Bit a of a bit's number says whether its cell is the upper one along axis a.
-    /// `low`: the place of the first cell in the padded block.
+    /// A bit for each of eight neighbouring cells: it is set if the cell is on the same side of the
+    /// walls as `ws`, which lies between their centres. Bit a of a bit's number says whether its
+    /// cell is the upper one along axis a. `low`: the place of the first cell in the padded block.
     unsigned onSideOf(const Vec3& ws, std::size_t block, const Int3& low) const;
 
     /// Sides of walls that send light back, as a cell sees one of its faces: 2 axis, + 1 for the upper one.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which volumes have their light kept on cells of like size. One size for all would have cells as small as the smallest
-// voxels need all over the largest volume. So volumes that can do with much larger cells have these, and surfaces have
-// cells apart from those of media.
+// Which volumes have their light kept on cells of like size. One size for all would have cells as
+// small as the smallest voxels need all over the largest volume. So volumes that can do with much
+// larger cells have these, and surfaces have cells apart from those of media.
 //
 // Light that reaches the cells of a level has passed the volumes of all levels. Those of finer ones are averaged into
 // the level's own cells. Those of coarser ones are on cells of their edge, through which each source of light passes

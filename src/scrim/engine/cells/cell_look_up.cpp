@@ -57,8 +57,8 @@ HWY_ATTR HWY_INLINE Places along(const Vec3& from, VPlace a, const Vec3& u, VPla
     return {sum(0), sum(1), sum(2)};
 }
 
-// Where the samples from k on count, relative to the centre of the grid's first cell, in cells. `thick`: 1 where the
-// sheet is not thin there, else 0.
+// Where the samples from k on count, relative to the centre of the grid's first cell, in cells.
+// `thick`: 1 where the sheet is not thin there, else 0.
 HWY_ATTR HWY_INLINE Places seenIn(const CellGrid& grid, const SamplePlane& plane, const SampleTile& samples, int k,
                                   VValue extinction, VValue& thick) {
     const auto row = [&](const Real* from) HWY_ATTR { return places(hn::LoadU(DValue(), from + k)); };

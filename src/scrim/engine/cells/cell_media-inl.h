@@ -61,8 +61,8 @@ void forParts(const Deposit& deposit, const Int3& voxel, const Vec3& half, const
     for (int part = 0; part < 8; ++part) visit(center(part), 0.5 * half, 0.125);
 }
 
-/// The cells that an interval meets, and the fraction of it in each of them; of a tent, twice as wide, its values in
-/// the middle of cells.
+/// The cells that an interval meets, and the fraction of it in each of them; of a tent, twice as
+/// wide, its values in the middle of cells.
 struct CellParts {
     int first, count;
     double center, half;

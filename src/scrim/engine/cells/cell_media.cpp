@@ -182,8 +182,8 @@ void gather(const CellGrid& grid, const Deposit& deposit, int places) {
     });
 }
 
-// The blocks of a field as tasks in eight rounds: cubes of 2^shift blocks an edge. Between two cubes of a round lies at
-// least one other.
+// The blocks of a field as tasks in eight rounds: cubes of 2^shift blocks an edge. Between two
+// cubes of a round lies at least one other.
 std::array<std::vector<std::vector<std::size_t>>, 8> roundsOf(const SparseField& field, int shift) {
     std::vector<std::pair<std::array<int, 3>, std::size_t>> byCube;  // z, y and x of the cube, and a block
     for (std::size_t b = 0; b < field.blockCount(); ++b) {
@@ -201,10 +201,10 @@ std::array<std::vector<std::vector<std::size_t>>, 8> roundsOf(const SparseField&
     return rounds;
 }
 
-// Deposits a field. Every block contributes to the cells around it. Cubes of blocks that are not neighbours share no
-// cells if they are large enough, so every other cube can be processed in parallel, in eight rounds. The sums do not
-// depend on the thread that adds them. Turned volumes, and with a `margin` (see cellMedia) those of large voxels, are
-// gathered cell by cell instead.
+// Deposits a field. Every block contributes to the cells around it. Cubes of blocks that are not
+// neighbours share no cells if they are large enough, so every other cube can be processed in
+// parallel, in eight rounds. The sums do not depend on the thread that adds them. Turned volumes,
+// and with a `margin` (see cellMedia) those of large voxels, are gathered cell by cell instead.
 void add(const CellGrid& grid, const Deposit& deposit, double margin, Simd simd) {
     const Mat3 axes(deposit.wsFromIs);
     const bool straight = !deposit.classified && axes == Mat3(axes[0].x, 0, 0, 0, axes[1].y, 0, 0, 0, axes[2].z);

@@ -17,8 +17,8 @@ namespace scrim {
 /// Volumes that scatter light in the same way and are lit by the same lights.
 struct ScatterClass {
     Phase phase;
-    /// Light scatters once in these volumes, which are not scattersFully: on its way between lights, volumes that
-    /// scatter fully, and the eye.
+    /// Light scatters once in these volumes, which are not scattersFully: on its way between
+    /// lights, volumes that scatter fully, and the eye.
     bool once = false;
     SplitPhase split;          ///< of `phase`
     std::vector<bool> lights;  ///< for each light of the scene, whether it lights these volumes; empty: all do
@@ -30,17 +30,17 @@ struct ScatterClass {
     double straight() const { return once ? 0 : split.straight(); }
 };
 
-/// Indices of those volumes that `wanted` holds for, by class: those of one scatter in the same way and are lit by the
-/// same lights.
+/// Indices of those volumes that `wanted` holds for, by class: those of one scatter in the same way
+/// and are lit by the same lights.
 std::vector<std::vector<int>> alikeVolumes(const ViewScene& scene,
                                            const std::function<bool(const ViewVolume&)>& wanted);
 
-/// The classes of the volumes that scatter light more than once, for a solve with `ordinates` directions, and after
-/// them those of all other media, if there are any of the first.
+/// The classes of the volumes that scatter light more than once, for a solve with `ordinates`
+/// directions, and after them those of all other media, if there are any of the first.
 std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates);
 
-/// Rows of values, one value for each cell of `grid`, per world unit. Light that scatters straight on counts as not
-/// scattered; extinction and scattering are reduced accordingly.
+/// Rows of values, one value for each cell of `grid`, per world unit. Light that scatters straight
+/// on counts as not scattered; extinction and scattering are reduced accordingly.
 struct CellMedia {
     CellGrid grid;
     std::vector<std::vector<Real>> extinction;  ///< for one colour that represents all, or for three
@@ -106,11 +106,11 @@ double reachOfWideKernels(const ViewScene& scene);
 struct CellPlaces {
     Vec3 wsCorner{0};   ///< a cell has a corner there
     double margin = 0;  ///< world units that cells reach beyond the blocks of voxels; at least one edge
-    /// Solids that stop light stand in the grid, whose cells then also reach those that send light back, up to half of
-    /// the volumes' size beyond these.
+    /// Solids that stop light stand in the grid, whose cells then also reach those that send light
+    /// back, up to half of the volumes' size beyond these.
     bool walls = false;
-    /// For each volume of the scene, whether its values are added to the cells (castersIn); empty: all are. The grid
-    /// does not depend on it.
+    /// For each volume of the scene, whether its values are added to the cells (castersIn); empty:
+    /// all are. The grid does not depend on it.
     std::vector<bool> dense = {};
     std::vector<Bounds> more = {};  ///< world boxes that cells cover, too
     /// For each volume of the scene, whether cells cover it; empty: all.
@@ -128,8 +128,8 @@ CellGrid cellGrid(const ViewScene& scene, double edge, const CellPlaces& places)
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, Simd simd,
                     const CellPlaces& places = {});
 
-/// Adds to media those of larger cells, interpolated linearly between the centres of these. Both are of the same
-/// classes.
+/// Adds to media those of larger cells, interpolated linearly between the centres of these. Both
+/// are of the same classes.
 void addLarger(CellMedia& media, const CellMedia& larger);
 
 /// Subtracts the light that scatters straight on from extinction and scattering, by how `classes` split it.

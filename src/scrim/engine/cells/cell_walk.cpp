@@ -14,8 +14,8 @@
 namespace scrim {
 namespace {
 
-// The cells of one slice that a point is interpolated from, by Catmull and Rom's cubic across the slice's axis: linear
-// interpolation would blur the medium.
+// The cells of one slice that a point is interpolated from, by Catmull and Rom's cubic across the
+// slice's axis: linear interpolation would blur the medium.
 class CellsOfSlice {
   public:
     CellsOfSlice(const CellGrid& grid, int axis)

@@ -57,8 +57,8 @@ struct Depths {
     }
 };
 
-/// The optical depths of the cells from `ws` along a direction (unit), over a distance that may be infinite. Depths
-/// beyond `most` are not exact.
+/// The optical depths of the cells from `ws` along a direction (unit), over a distance that may be
+/// infinite. Depths beyond `most` are not exact.
 Depths opticalDepths(const CellMedia& media, const Vec3& ws, const Vec3& direction, double distance,
                      double most = kMostDepth);
 

@@ -41,8 +41,8 @@ std::vector<Ordinates> divided(const Ordinates& all, int parts);
 /// The index of the ordinate closest to a unit vector.
 int nearestOrdinate(const Ordinates& ordinates, const Vec3& direction);
 
-/// The number of moments that ordinates resolve: products of two Legendre series of so many terms are integrated
-/// exactly.
+/// The number of moments that ordinates resolve: products of two Legendre series of so many terms
+/// are integrated exactly.
 int resolvedMoments(int ordinates);
 
 /// The radiance scattered into each ordinate m of `to` from unit radiance along each ordinate n of `from`, of which
@@ -58,18 +58,18 @@ std::vector<Real> scatteringMatrix(const Ordinates& from, const Ordinates& to, c
 /// The rows that are scattered together, because they share loads of a matrix.
 inline constexpr std::size_t kRowsTogether = 4;
 
-// Scattering between ordinates is the most expensive part of media that are not isotropic: from all ordinates to all,
-// and from or to a direction that is not an ordinate.
+// Scattering between ordinates is the most expensive part of media that are not isotropic: from all
+// ordinates to all, and from or to a direction that is not an ordinate.
 
 /// Multiplies rows [begin, end) of `rows`, `count` values each, by the matrices (see scatteringMatrix), mixed by
 /// `shares`: shares[k][row] is the weight of matrix k; empty: there is one matrix.
 void mixOrdinates(const std::vector<std::vector<Real>>& matrices, const std::vector<std::vector<Real>>& shares,
                   std::size_t begin, std::size_t end, std::size_t count, Real* rows, Simd simd);
 
-/// The phase function with Legendre moments `moments` for light that travels along `travel` (unit) and is scattered
-/// into each ordinate; the sum with the ordinates' weights is one. Since p is symmetric in its two directions, these
-/// values times the weights are also what a ray along `travel` gathers from all ordinates. A series may go below zero.
-/// `part`: a factor on all values.
+/// The phase function with Legendre moments `moments` for light that travels along `travel` (unit)
+/// and is scattered into each ordinate; the sum with the ordinates' weights is one. Since p is
+/// symmetric in its two directions, these values times the weights are also what a ray along
+/// `travel` gathers from all ordinates. A series may go below zero. `part`: a factor on all values.
 void scatteringRow(const Ordinates& ordinates, const std::vector<double>& moments, const Vec3& travel, Real* row,
                    Simd simd, double part = 1);
 

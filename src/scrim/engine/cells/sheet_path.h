@@ -47,8 +47,8 @@ struct SheetPath {
     Vec3 wsSeenFar;      ///< the same for the farther half
     Real farther = 0;    ///< thick: the farther half's part of what the eye sees of the sheet
 
-    /// `extinction`: per world unit, above 0; that of the half that is nearer to the eye: `nearer`, or the same if it
-    /// is below 0.
+    /// `extinction`: per world unit, above 0; that of the half that is nearer to the eye: `nearer`,
+    /// or the same if it is below 0.
     SheetPath(const SamplePlane& plane, const SampleTile& samples, int k, Real extinction, Real nearer = -1)
         : wsMiddle(plane.wsSample(samples, k)),
           ws(SamplePlane::passed(samples, k) *
@@ -80,8 +80,8 @@ struct SheetPath {
         wsSeen = 0.5 * (nearerThanMiddle(first) - towardsDense(first)) * ahead;
         wsSeenFar = 0.5 * (nearerThanMiddle(second) - towardsDense(second)) * ahead;
     }
-    // The eye sees more of the nearer part. Light that changes evenly along its path, of optical depth `tau`, counts as
-    // it is at coth(tau / 2) / 2 - 1 / tau of the path before the middle.
+    // The eye sees more of the nearer part. Light that changes evenly along its path, of optical
+    // depth `tau`, counts as it is at coth(tau / 2) / 2 - 1 / tau of the path before the middle.
     static double nearerThanMiddle(double tau) {
         const double t2 = tau * tau;  // the series is exact to 1e-7
         return tau < 1 ? tau * (1.0 / 12) * (1 - t2 * (1.0 / 60) * (1 - t2 * (1.0 / 42) * (1 - t2 * (1.0 / 40))))

@@ -18,17 +18,17 @@ struct SurfaceCells {
     std::vector<Real> value;       ///< of the field there
 
     std::size_t bytes() const { return (extinction.size() + value.size()) * sizeof(Real); }
-    /// Boxes around those `blocks` of `grid`, whose cells these are, that have a cell of the surfaces: `margin` world
-    /// units beyond its cells, within the grid.
+    /// Boxes around those `blocks` of `grid`, whose cells these are, that have a cell of the
+    /// surfaces: `margin` world units beyond its cells, within the grid.
     std::vector<Bounds> boxes(const CellGrid& grid, const std::vector<bool>& blocks, double margin) const;
 };
 
-/// Which way surfaces face in each cell of a grid: the unit normal out of the denser side along the axes of the world
-/// (0, 1, 2), and its weight (3; see normalWeight); 0 where nothing is near.
+/// Which way surfaces face in each cell of a grid: the unit normal out of the denser side along the
+/// axes of the world (0, 1, 2), and its weight (3; see normalWeight); 0 where nothing is near.
 using SurfaceNormals = std::array<std::vector<Real>, 4>;
 
-/// The integral of a transfer function's extinction over the field's values, so that its mean between two values is a
-/// difference (see TransferTable of splat/).
+/// The integral of a transfer function's extinction over the field's values, so that its mean
+/// between two values is a difference (see TransferTable of splat/).
 struct ExtinctionIntegral {
     static constexpr int kCount = 1024;
     std::vector<Real> integral;  ///< kCount + 2 values from 0 on, `scale` of them per unit of the field
@@ -42,8 +42,8 @@ struct ExtinctionIntegral {
 /// True if nothing but the field's value tells how dense the volume is at a place.
 bool isByValueAlone(const ViewVolume& volume);
 
-/// `volume` must be classified, and have voxels. `kernel`: for fields that have none of their own. `voxel`: unit of the
-/// dials.
+/// `volume` must be classified, and have voxels. `kernel`: for fields that have none of their own.
+/// `voxel`: unit of the dials.
 SurfaceCells surfaceCells(const CellGrid& grid, const ViewVolume& volume, Kernel kernel, double voxel);
 SurfaceNormals surfaceNormals(const CellGrid& grid, const ViewVolume& volume, Kernel kernel, double voxel);
 

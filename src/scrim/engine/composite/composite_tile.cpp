@@ -30,8 +30,8 @@ HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
     return through(lastLane(texel), state, texel);
 }
 
-// Composites one sample into a pixel's state, for any number of quads. quad(q) gives the sample's quads. Returns the
-// quad whose last lane is the sample's negated opacity.
+// Composites one sample into a pixel's state, for any number of quads. quad(q) gives the sample's
+// quads. Returns the quad whose last lane is the sample's negated opacity.
 template <bool kFrontToBack, bool kColoured, class Quad>
 HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, Real* state) {
     const int last = quads - 1;
@@ -63,8 +63,8 @@ Real opticalDepth(Real hides) {
     return -std::log1p(std::max(hides, kOpaque - 1));
 }
 
-// The depth at which the contents of sheets with the optical depths a, b, c begin, see FirstDepth. `middle`: depth of
-// the first of them.
+// The depth at which the contents of sheets with the optical depths a, b, c begin, see FirstDepth.
+// `middle`: depth of the first of them.
 Real beginOf(Real a, Real b, Real c, Real middle, Real step) {
     if (b == 0) return middle;
     if (b <= a) return middle - step / 2;
@@ -219,8 +219,8 @@ HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const Real* at, const Sha
     }
 }
 
-// The fraction of the opacity -hides that a fraction f of the sheet has: its optical depth is tau f, so its opacity is
-// 1 - (1 - alpha)^f.
+// The fraction of the opacity -hides that a fraction f of the sheet has: its optical depth is tau
+// f, so its opacity is 1 - (1 - alpha)^f.
 Real shownShare(Real hides, Real part) {
     const Real alpha = std::clamp(-hides, Real(0), Real(1));
     if (alpha <= Real(1e-20)) return part;

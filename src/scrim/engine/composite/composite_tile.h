@@ -33,14 +33,14 @@ struct SheetList {
 /// A sample of less opacity than this does not count as the first visible one.
 constexpr Real kLeastVisible = Real(1e-3);
 
-/// Walks all sheets of the list. Back to front, no pixel is closed. `firstDepth`: for each of 256 pixels, receives the
-/// depth where the first sheet with more opacity than kLeastVisible begins (back to front, the last one visited); null
-/// if it is not needed.
+/// Walks all sheets of the list. Back to front, no pixel is closed. `firstDepth`: for each of 256
+/// pixels, receives the depth where the first sheet with more opacity than kLeastVisible begins
+/// (back to front, the last one visited); null if it is not needed.
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real* state,
                    PixelTiles::FirstDepth* firstDepth = nullptr);
 
-/// 256 shaded samples of one sheet, `at` planes from the batch's first, each with the fraction in [0, 1] of the sheet
-/// that lies in front of the eye (nullptr: all of it).
+/// 256 shaded samples of one sheet, `at` planes from the batch's first, each with the fraction in
+/// [0, 1] of the sheet that lies in front of the eye (nullptr: all of it).
 struct SheetSamples {
     const Real* samples;
     const Real* part;
@@ -52,8 +52,8 @@ struct SheetSamples {
 void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* state,
                       PixelTiles::FirstDepth* firstDepth = nullptr);
 
-/// The rest of a sample if only the fraction `part`, in [0, 1], of its sheet is visible: radiance in proportion to
-/// opacity.
+/// The rest of a sample if only the fraction `part`, in [0, 1], of its sheet is visible: radiance
+/// in proportion to opacity.
 void keepSeenPart(const OutputLayout& layout, Real part, const Real* sample, Real* kept);
 
 /// Texels of one shaded sheet.

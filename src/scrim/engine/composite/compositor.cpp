@@ -13,8 +13,8 @@
 namespace scrim {
 namespace {
 
-// Positions on rays are floats relative to a plane every kBlock sheets, and rays end at those planes, so that results
-// do not depend on the number of sheets in a batch.
+// Positions on rays are floats relative to a plane every kBlock sheets, and rays end at those
+// planes, so that results do not depend on the number of sheets in a batch.
 constexpr int kBlock = 8;
 
 int blockBegin(int sheet) {
@@ -125,8 +125,8 @@ void Compositor::setRays(int tile, TileWalk& walk) const {
     walk.endMost = *std::max_element(walk.ends, walk.ends + kTileSize);
 }
 
-// Sets up the rays of a tile, and finds the planes whose active texels they may meet, or, on a shader's levels, those
-// of coarser ones.
+// Sets up the rays of a tile, and finds the planes whose active texels they may meet, or, on a
+// shader's levels, those of coarser ones.
 Compositor::TileWalk Compositor::enter(int tile, const Range& range, const PlaneStack& planes,
                                        const SheetShader* shader) const {
     TileWalk walk;
@@ -164,8 +164,8 @@ Compositor::TileWalk Compositor::enterCells(int tile, const Range& range, const 
     return walk;
 }
 
-// Reduces a sheet's samples to what is visible past objects that hide in part. Only the radiance is reduced, not the
-// opacity that hides. `part` and `at` are as in cutSlab.
+// Reduces a sheet's samples to what is visible past objects that hide in part. Only the radiance is
+// reduced, not the opacity that hides. `part` and `at` are as in cutSlab.
 void Compositor::holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const {
     if (walk.thinFrom == nullptr) return;
     const OutputLayout& layout = m_tiles.layout();
@@ -248,8 +248,8 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
     return work;
 }
 
-// Records the samples that compositeTile is about to add for the same rays. They are sampled once more, so that the
-// flat picture's own loop is not affected.
+// Records the samples that compositeTile is about to add for the same rays. They are sampled once
+// more, so that the flat picture's own loop is not affected.
 void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheets) {
     Real* samples = sampleScratch(sheets.layout);
     alignas(64) Real at[kTileSize];
@@ -262,8 +262,8 @@ void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheet
     }
 }
 
-// Shades where the tile's rays meet each plane, by SheetShader::shadePoints or shadeCells: shade(p, points, open,
-// onward, samples, work).
+// Shades where the tile's rays meet each plane, by SheetShader::shadePoints or shadeCells: shade(p,
+// points, open, onward, samples, work).
 template <class Shade>
 RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade) {
     Real* states = m_tiles.states(tile);

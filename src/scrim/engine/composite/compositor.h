@@ -17,8 +17,8 @@
 
 namespace scrim {
 
-/// The tiles of the picture that walk the sheets of a level: those in `own` but not in `finer`, which walk finer ones.
-/// Null: all are in `own`, or none in `finer`.
+/// The tiles of the picture that walk the sheets of a level: those in `own` but not in `finer`,
+/// which walk finer ones. Null: all are in `own`, or none in `finer`.
 struct WalkingTiles {
     const std::uint8_t* own = nullptr;
     const std::uint8_t* finer = nullptr;
@@ -42,15 +42,15 @@ class Compositor {
           m_level(level),
           m_balls(balls) {}
 
-    /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p. This and the next function
-    /// return the pixel and sheet pairs, and the work of shading on the way.
+    /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p. This and the
+    /// next function return the pixel and sheet pairs, and the work of shading on the way.
     RenderWork throughTexels(int firstSheet, int count, const PlaneStack& shaded);
 
     /// Shades where the pixels' rays meet the sheets, and composites that. `covered`: the active tiles of the sheets.
     RenderWork throughPixels(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader);
 
-    /// The same with per-view splatting. `covered`: the active tiles of the eye's own lattice, which has `guardTiles`
-    /// tiles around the picture's.
+    /// The same with per-view splatting. `covered`: the active tiles of the eye's own lattice,
+    /// which has `guardTiles` tiles around the picture's.
     RenderWork throughCells(int firstSheet, int count, const PlaneStack& covered, int guardTiles,
                             const SheetShader& shader);
 

@@ -14,8 +14,8 @@
 namespace scrim {
 namespace {
 
-// Number of sheets whose samples are merged during the sweep, and the fraction of the tolerance spent on that; the rest
-// is for merging the means over rays.
+// Number of sheets whose samples are merged during the sweep, and the fraction of the tolerance
+// spent on that; the rest is for merging the means over rays.
 constexpr int kStage = 32;
 constexpr double kStageShare = 0.25;
 
@@ -105,8 +105,8 @@ Sample compositeOf(bool coloured, const Sample*& sample, const DeepPiece& piece)
     return sum;
 }
 
-// Sorts samples from `from` on by ray, and those of a ray from front to back. They were added in the order of the
-// sweep, or stage by stage in that order.
+// Sorts samples from `from` on by ray, and those of a ray from front to back. They were added in
+// the order of the sweep, or stage by stage in that order.
 Firsts byRay(std::vector<Sample>& samples, std::size_t from, bool frontToBack) {
     Firsts firsts{};
     for (std::size_t i = from; i < samples.size(); ++i) ++firsts[samples[i].ray + 1];

@@ -32,9 +32,9 @@ class DeepRays {
         int number = 0;
         double first = 0, thickness = 1;
     };
-    /// Adds the samples of sheet `sheet` to a tile; their layout is that of the tiles. The middle of a sample's visible
-    /// part lies `samples.at` - `step` behind the middle of the sheet, in the level's sheets along N. Throws
-    /// Error(memory).
+    /// Adds the samples of sheet `sheet` to a tile; their layout is that of the tiles. The middle
+    /// of a sample's visible part lies `samples.at` - `step` behind the middle of the sheet, in the
+    /// level's sheets along N. Throws Error(memory).
     void add(int tile, const Level& level, int sheet, const SheetSamples& samples, Real step);
 
     /// Averages the n x n rays of each pixel, by depth along the viewing axis. All rays of a pixel are treated as if
@@ -64,8 +64,8 @@ class DeepRays {
     std::atomic<std::uint64_t> m_added{0};
 };
 
-/// The deep picture of all sweeps; `groups` holds the results of the plan's groups. Its curves end with the flat
-/// picture's pixels, up to rounding.
+/// The deep picture of all sweeps; `groups` holds the results of the plan's groups. Its curves end
+/// with the flat picture's pixels, up to rounding.
 DeepImage combined(const ViewScene& scene, const Plan& plan, const std::vector<DeepImage>& groups);
 
 }  // namespace scrim

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which tiles of the picture must walk finer sheets than those of a level: the ones that see volumes of finer levels
-// in a sheet, or points that such volumes shadow there.
+// Which tiles of the picture must walk finer sheets than those of a level: the ones that see
+// volumes of finer levels in a sheet, or points that such volumes shadow there.
 #pragma once
 
 #include <scrim/engine/composite/pixel_tiles.h>

@@ -216,8 +216,8 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
             sumRays(tiles, n, x, y, sum);
             const double weight = part.weight(x + 0.5, y + 0.5) / (n * n);
             const std::size_t at = frame.image.indexOf(x, y);
-            // Interpolation between texels rounds: nothing may become slightly negative, and opaque slightly more than
-            // opaque.
+            // Interpolation between texels rounds: nothing may become slightly negative, and opaque
+            // slightly more than opaque.
             const auto radiance = [&](std::size_t f, double share) {
                 return static_cast<Real>(weight * share) * std::max(sum.floats[f], Real(0));
             };

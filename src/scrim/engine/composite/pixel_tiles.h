@@ -111,8 +111,8 @@ class PixelTiles {
     std::vector<int> m_closedAt;  // for each tile the block that m_closed is for
 };
 
-/// Objects that hide parts of pixels' rays: solids and depth pictures, at which rays end, and samples of deep pictures,
-/// which hide in part.
+/// Objects that hide parts of pixels' rays: solids and depth pictures, at which rays end, and
+/// samples of deep pictures, which hide in part.
 class EyeEnds {
   public:
     /// True if anything hides a part of the scene's rays.
@@ -121,8 +121,8 @@ class EyeEnds {
     /// Traces the rays through the centres of all pixels of `tiles`, those of the scene's antialiasing raster.
     EyeEnds(const ViewScene& scene, const PixelTiles& tiles);
 
-    /// Depths along the viewing axis, for a tile's 256 pixels, from which on nothing is visible; infinity where nothing
-    /// hides. Null: nothing hides in the whole tile.
+    /// Depths along the viewing axis, for a tile's 256 pixels, from which on nothing is visible;
+    /// infinity where nothing hides. Null: nothing hides in the whole tile.
     const double* depths(int tile) const { return orNull(m_depths[std::size_t(tile)]); }
 
     /// The same for depths at which something begins that hides in part.
@@ -154,8 +154,8 @@ Frame emptyFrame(const ViewScene& scene);
 /// Adds the result of the sweep of `group`, which is in `tiles`.
 void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, Frame& frame);
 
-/// Begins the layer `backdrop`, which the frame must have, as if there were no volumes. It has four floats a pixel
-/// until finishBackdrop().
+/// Begins the layer `backdrop`, which the frame must have, as if there were no volumes. It has four
+/// floats a pixel until finishBackdrop().
 void beginBackdrop(const BackdropRays& backdrop, Frame& frame);
 
 /// Takes from that layer what the volumes hide of it in a group's sweep.

@@ -36,17 +36,17 @@ class AreaField {
     /// True if it has cells: the light is close to those of `all`.
     bool any() const { return !m_lit.grid().storedBlocks().empty(); }
 
-    /// The sums over sub-lights of what arrives at a cell of what the eye sees of it; they are to be added here before
-    /// keepNear.
+    /// The sums over sub-lights of what arrives at a cell of what the eye sees of it; they are to
+    /// be added here before keepNear.
     CellField& lit() { return m_lit; }
-    /// What the same sub-lights would show at those cells if nothing held their light back, for a radiance of 1; it is
-    /// to be added here.
+    /// What the same sub-lights would show at those cells if nothing held their light back, for a
+    /// radiance of 1; it is to be added here.
     CellField& open() { return m_open; }
-    /// Leaves of lit() the part that this field keeps, which fades out with the distance from the surface. To be called
-    /// once.
+    /// Leaves of lit() the part that this field keeps, which fades out with the distance from the
+    /// surface. To be called once.
     void keepNear();
-    /// Takes that part from the light of the sub-lights, on cells of those that the field was made for, and gives it
-    /// what the surface shines brighter than they.
+    /// Takes that part from the light of the sub-lights, on cells of those that the field was made
+    /// for, and gives it what the surface shines brighter than they.
     void keepFar(CellField& light) const;
 
     /// True if the field has light in the box.

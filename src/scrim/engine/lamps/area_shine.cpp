@@ -79,8 +79,8 @@ double ofCylinder(const Vec3& p, double radius, double half) {
     return kPi * most * sum;
 }
 
-// The solid angle of a polygon that is seen clockwise from its front, from the middle (A. van Oosterom and J. Strackee,
-// The Solid Angle of a Plane Triangle, 1983).
+// The solid angle of a polygon that is seen clockwise from its front, from the middle (A. van
+// Oosterom and J. Strackee, The Solid Angle of a Plane Triangle, 1983).
 double solidAngleOf(std::span<const Vec3> corners) {
     double sum = 0;
     const auto length = [&](std::size_t i) { return glm::length(corners[i]); };
@@ -110,8 +110,8 @@ double halfAngleOf(const Patch& patch) {
     return std::acos(std::clamp(2 * glm::length(patch.towards) / patch.solidAngle - 1, 0.0, 1.0));
 }
 
-// Places between two along a line, `away` from which the middle is, that see equal angles of at most `least` between
-// them as far as kMost parts allow.
+// Places between two along a line, `away` from which the middle is, that see equal angles of at
+// most `least` between them as far as kMost parts allow.
 struct Cuts {
     static constexpr int kMost = 8;
     int parts;
@@ -388,8 +388,8 @@ double AreaShine::nearest(const Path& path, double from, double to) const {
     return at(from) <= std::min(atA, atB) ? from : at(to) <= std::min(atA, atB) ? to : 0.5 * (a + b);
 }
 
-// The length over which the solid angle changes at a place of a path that is the nearest one, world units. Before a
-// rectangle or disk: to its rim. Beside a cylinder: that of the tangent to it.
+// The length over which the solid angle changes at a place of a path that is the nearest one, world
+// units. Before a rectangle or disk: to its rim. Beside a cylinder: that of the tangent to it.
 double AreaShine::scaleAt(const Vec3& p) const {
     constexpr double kOfRadius = 0.1;
     const double d = distanceLocal(p);
@@ -428,8 +428,8 @@ std::size_t AreaShine::litParts(const Path& path, std::array<std::array<double, 
     return count;
 }
 
-// From the place `from`, at which light changes fastest, to `to`. With s = from + b sinh(u) what falls off as a power
-// of b^2 + s^2 is smooth in u.
+// From the place `from`, at which light changes fastest, to `to`. With s = from + b sinh(u) what
+// falls off as a power of b^2 + s^2 is smooth in u.
 void AreaShine::addPiece(const Path& path, double from, double to, Pieces& pieces) const {
     constexpr double kLeast = 1e-3;  // of the path, for those that meet a rim
     const double length = std::abs(to - from), towards = to > from ? 1 : -1;
@@ -460,8 +460,8 @@ void AreaShine::addEven(const Path& path, double from, double to, Pieces& pieces
     piece.ws = m_center + m_frame * (path.begin + (middle + beside * (far - near) / sum) * path.way);
 }
 
-// From one crossing of a mesh to the next, by steps about as long as the mesh is far away: over each the light changes
-// by about its half. A piece is a part of the path with all that is in it.
+// From one crossing of a mesh to the next, by steps about as long as the mesh is far away: over
+// each the light changes by about its half. A piece is a part of the path with all that is in it.
 void AreaShine::addAcrossMesh(const Path& path, Pieces& pieces) const {
     constexpr double kOfDistance = 0.8, kLeast = 1.0 / 24;
     const auto add = [&](double at, double length) {

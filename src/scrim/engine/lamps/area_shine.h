@@ -23,15 +23,15 @@ class AreaShine {
   public:
     /// True for rectangles, disks, cylinders and meshes that shine evenly: with neither a slide nor a spread.
     static bool serves(const Light& light);
-    /// `light`: an area light that is no sphere, which need not shine evenly. `octaves`: what the medium sends towards
-    /// the camera.
+    /// `light`: an area light that is no sphere, which need not shine evenly. `octaves`: what the
+    /// medium sends towards the camera.
     AreaShine(const Light& light, const std::vector<Octave>& octaves, const Camera& camera);
 
-    /// Steradians, from 0 (behind a rectangle or disk, within a cylinder or beyond its ends) to 2 pi; of a mesh the sum
-    /// over its triangles, whatever hides them.
+    /// Steradians, from 0 (behind a rectangle or disk, within a cylinder or beyond its ends) to 2
+    /// pi; of a mesh the sum over its triangles, whatever hides them.
     double at(const Vec3& ws) const;
-    /// The integral over the directions towards the surface, world space. Over its length, divided by the solid angle,
-    /// the directions' mean cosine to their middle.
+    /// The integral over the directions towards the surface, world space. Over its length, divided
+    /// by the solid angle, the directions' mean cosine to their middle.
     Vec3 towards(const Vec3& ws) const;
     /// What the eye sees of a radiance of 1 for a scattering coefficient of 1: the integral of the phase functions over
     /// the solid angle. That is taken for a cap with the same middle and the same mean cosine, which phase functions
@@ -55,8 +55,8 @@ class AreaShine {
     Pieces along(const Vec3& wsBegin, const Vec3& wsPath, double tau) const;
 
   private:
-    // In the light's axes (right, up, normal): a path, the depth before its end, and the integral of what the eye sees
-    // of it.
+    // In the light's axes (right, up, normal): a path, the depth before its end, and the integral
+    // of what the eye sees of it.
     struct Path {
         Vec3 begin, way;
         double length, tau, seen;

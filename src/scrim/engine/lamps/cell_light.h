@@ -26,8 +26,8 @@ struct VolumeLight {
                 const Real* nearer = nullptr) const;
 };
 
-/// What volumes make of light on cells: media and surfaces that have scattered it evenly, and what surfaces reflect by
-/// the two parts of Phong's model.
+/// What volumes make of light on cells: media and surfaces that have scattered it evenly, and what
+/// surfaces reflect by the two parts of Phong's model.
 enum class ShownAs { scattered, diffuse, mirrored };
 
 /// The light on cells that belongs to one output.

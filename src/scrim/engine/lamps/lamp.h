@@ -37,9 +37,9 @@ std::shared_ptr<const CellGrid> cellsNear(const Light& lamp, const CellGrid& all
 /// it fills there, which is that of t = r mu - sqrt(r^2 mu^2 - h^2) for mu from h / r to 1, with h^2 = r^2 - radius^2.
 double wayFrom(const Light& lamp, double r);
 
-/// The optical depth of what is left, on the way to `ws` outside of it, of a sphere's light: of its mean over the solid
-/// angle that the sphere fills there, by 24 rays through the cells of all media, whose extinction counts `extinction`
-/// times.
+/// The optical depth of what is left, on the way to `ws` outside of it, of a sphere's light: of its
+/// mean over the solid angle that the sphere fills there, by 24 rays through the cells of all
+/// media, whose extinction counts `extinction` times.
 Rgb depthFromSphere(const MediaTogether& media, double extinction, const Vec3& wsCenter, double radius, const Vec3& ws);
 
 /// The logarithm of the ratio by which the light of a hollow sphere is too bright where points on a shell of sqrt(3/4)

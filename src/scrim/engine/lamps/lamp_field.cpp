@@ -23,9 +23,9 @@ constexpr double kDarkDepth = 60;
 // The least way that a mean extinction is for, in cells.
 constexpr double kLeastWay = 1e-3;
 
-// Factors on extinction, the largest first, between which those of all octaves lie. Behind the edge of a shadow the
-// mean over a sphere's ways of exp(-factor * depth) is no exponential; its logarithm over the factor bends little
-// between factors that are kRatio apart.
+// Factors on extinction, the largest first, between which those of all octaves lie. Behind the edge
+// of a shadow the mean over a sphere's ways of exp(-factor * depth) is no exponential; its
+// logarithm over the factor bends little between factors that are kRatio apart.
 std::vector<double> knotsFor(const std::vector<Octave>& octaves) {
     constexpr double kRatio = 32, kLeast = 1e-3;  // below which a transmittance has too few digits
     const double most = std::max(octaves.front().extinction, kLeast),
@@ -109,9 +109,9 @@ void LampField::keepNearSphere(const Knot& knot, const MediaTogether& media, con
         values[c] += static_cast<Real>(share * (depth[static_cast<int>(c)] / way - double(values[c])));
 }
 
-// The part of the lamp's light that its own cells keep. The rest starts at the lamp as r^2 does, so that it bends
-// little between the cells that it is kept on: at a reach of R, its mean over them is at most 0.4 (12 edge / R)^2 % of
-// the lamp's light off.
+// The part of the lamp's light that its own cells keep. The rest starts at the lamp as r^2 does, so
+// that it bends little between the cells that it is kept on: at a reach of R, its mean over them is
+// at most 0.4 (12 edge / R)^2 % of the lamp's light off.
 double LampField::nearShare(double r) const {
     if (m_near == 0) return 1;
     const double radius = radiusOfSphere(lamp()), t = std::clamp((r - radius) / (m_near - radius), 0.0, 1.0);

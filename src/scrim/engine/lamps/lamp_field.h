@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light of one lamp on cells. Near a lamp irradiance, transmittance and direction change fast, but the mean
-// extinction on the way from it changes slowly. So that is what cells keep, and look-ups compute the three from it,
-// with their mean over the eye's path through a sheet.
+// The light of one lamp on cells. Near a lamp irradiance, transmittance and direction change fast,
+// but the mean extinction on the way from it changes slowly. So that is what cells keep, and
+// look-ups compute the three from it, with their mean over the eye's path through a sheet.
 #pragma once
 
 #include <scrim/engine/cells/cell_field.h>
@@ -47,11 +47,11 @@ class LampField {
     /// that the lamp's points do not represent it, and the extinction is computed anew. `open`: the fraction of the
     /// light that passes solids; null: there are no solids.
     void makeMean(const MediaTogether& media, std::shared_ptr<const CellField> open);
-    /// The lamp's light at a point, of the octaves that are nearest to a knot, with its transmittance of the way there;
-    /// but for the part that is kept near the lamp.
+    /// The lamp's light at a point, of the octaves that are nearest to a knot, with its
+    /// transmittance of the way there; but for the part that is kept near the lamp.
     Rgb farLight(std::size_t knot, const Vec3& ws, double transmittance) const;
-    /// What farLight gives beyond `reach` (world units) without attenuation, times the square of the distance, if it
-    /// depends on no more than that; none: it does.
+    /// What farLight gives beyond `reach` (world units) without attenuation, times the square of
+    /// the distance, if it depends on no more than that; none: it does.
     std::optional<Rgb> evenFarLight(std::size_t knot, double& reach) const;
 
     /// True if the field has light in the box.
@@ -73,8 +73,8 @@ class LampField {
     };
     static constexpr std::size_t kMostKnots = 3;
     using Means = Real[kMostKnots][3];
-    // How the lamp shines at a place: the cosine towards the eye, the half angle that a sphere fills there, a factor
-    // for its solid angle, the way of its light, and what solids let through.
+    // How the lamp shines at a place: the cosine towards the eye, the half angle that a sphere
+    // fills there, a factor for its solid angle, the way of its light, and what solids let through.
     struct Arrival {
         double toEye, halfAngle, solidAngle, length, open;
     };

@@ -35,8 +35,8 @@ class PathPastLamp {
         return glm::dot(way, way) < near * near * (radius * radius + glm::dot(path, path));
     }
 
-    /// Calls visit(place, weight) for some points of the path: the sum of weight * f(place) is the mean of f / r^2 over
-    /// it. A place is in [-1/2, 1/2], in lengths of the path from its middle.
+    /// Calls visit(place, weight) for some points of the path: the sum of weight * f(place) is the
+    /// mean of f / r^2 over it. A place is in [-1/2, 1/2], in lengths of the path from its middle.
     template <class Visit>
     void forPoints(const Visit& visit) const {
         const double begin = m_middle - 0.5 * m_length, end = m_middle + 0.5 * m_length;

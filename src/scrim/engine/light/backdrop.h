@@ -27,8 +27,8 @@ class Backdrop {
     /// `scene` must outlive this object. `again`: see VolumeShine. Throws as that does.
     Backdrop(const ViewScene& scene, const TransportPlan& again, const Checkpoint& checkpoint);
 
-    /// What a ray meets: a solid with a colour at a place, or what shines by itself, a light's surface or the sky, with
-    /// its radiance and alpha.
+    /// What a ray meets: a solid with a colour at a place, or what shines by itself, a light's
+    /// surface or the sky, with its radiance and alpha.
     struct Met {
         const Solid* solid = nullptr;
         Vec3 ws{0}, normal{0};  ///< the normal is unit and on the eye's side
@@ -37,13 +37,13 @@ class Backdrop {
     /// The ray through raster position (x, y) of the picture without antialiasing.
     Met meets(double x, double y) const;
 
-    /// Radiance over colour that a solid reflects there, evenly to all sides (Lambert): of lights and ambient light,
-    /// and of what volumes send.
+    /// Radiance over colour that a solid reflects there, evenly to all sides (Lambert): of lights
+    /// and ambient light, and of what volumes send.
     Rgb lightOn(const Met& met) const;
     Rgb shineOn(const Met& met) const;
 
-    /// Radiance of the ray through (x, y), as if there were no volumes before it, and alpha: 1 where there is a
-    /// backdrop, else 0.
+    /// Radiance of the ray through (x, y), as if there were no volumes before it, and alpha: 1
+    /// where there is a backdrop, else 0.
     std::array<double, 4> at(double x, double y) const;
 
   private:
@@ -57,8 +57,8 @@ class Backdrop {
 /// The backdrop of a picture's rays.
 class BackdropRays {
   public:
-    /// Traces the rays of the scene's region. On even parts of a solid light that hardly changes over up to 8 x 8 rays
-    /// is interpolated. Calls `checkpoint` now and then.
+    /// Traces the rays of the scene's region. On even parts of a solid light that hardly changes
+    /// over up to 8 x 8 rays is interpolated. Calls `checkpoint` now and then.
     BackdropRays(const ViewScene& scene, const TransportPlan& again, const Checkpoint& checkpoint);
 
     /// The radiance and alpha of the ray (x, y) of the antialiasing raster.

@@ -12,8 +12,8 @@
 namespace scrim {
 namespace {
 
-// Fraction of a sheet's thickness below which the irradiance of a light without a radius stays constant, since 1/r^2
-// has no bound.
+// Fraction of a sheet's thickness below which the irradiance of a light without a radius stays
+// constant, since 1/r^2 has no bound.
 constexpr double kLeastRadius = 0.25;
 
 // A light that crosses sheets at more than this slant (85 degrees) passes through far more than the extinction at one
@@ -83,8 +83,8 @@ SolidDetail LightSweep::solidDetail(const ViewScene& scene, const Plan& plan, co
     const int most = sharpShadows(scene) ? SolidRaster::kMostParts : 1;
     SolidDetail out;
     while (out.parts < most && kOfPixel * pixel * out.parts < cell) out.parts *= 2;
-    // Pixels' rays end at surfaces, and look up shadows no further. Texels behind a surface are looked up together with
-    // those in front of it.
+    // Pixels' rays end at surfaces, and look up shadows no further. Texels behind a surface are
+    // looked up together with those in front of it.
     constexpr double kAtPixels = 0.6, kAtTexels = 2;
     out.margin = plan.shadeAtPixels ? kAtPixels : kAtTexels;
     return out;
@@ -150,8 +150,8 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
     };
     std::vector<Shadowed> shadowed;
     for (Caster& caster : m_casters) {
-        // The paper's method (ZC02 Fig. 5, lines 10 and 17): footprints are splatted into the light's own sheets, and
-        // these into its buffer.
+        // The paper's method (ZC02 Fig. 5, lines 10 and 17): footprints are splatted into the
+        // light's own sheets, and these into its buffer.
         if (caster.ownSheets) work.footprints += caster.ownSheets->splat(firstSheet, count);
         const ExtinctionSum& sheets = caster.ownSheets ? *caster.ownSheets : extinction;
         for (const int channel : caster.channels) {
@@ -262,8 +262,8 @@ void enterAlongRays(int p, const SampleTile& at, const Shadow& shadow, const std
 
 }  // namespace
 
-// Opaque matter is often thinner than a sheet. How much of its light is lost within the sheet then depends on the
-// course of the light's own ray through it.
+// Opaque matter is often thinner than a sheet. How much of its light is lost within the sheet then
+// depends on the course of the light's own ray through it.
 void LightSweep::lookUpEnds(int p, std::size_t number, const SampleTile& samples,
                             const std::vector<const Surface*>& surfaces, const Real* extinction, Real* first,
                             Real* last) const {
@@ -271,8 +271,8 @@ void LightSweep::lookUpEnds(int p, std::size_t number, const SampleTile& samples
     const Shadow& shadow = *m_onSheets[p].shadows[number];
     const auto thickness = static_cast<Real>(m_group.sheets.thickness);
     const Real texels = thickness / static_cast<Real>(m_group.sheets.texel);
-    // The field at a few points does not tell the course of a light within the sheet, or of one that crosses it at a
-    // steep slant. Both ends are then looked up in the middle.
+    // The field at a few points does not tell the course of a light within the sheet, or of one
+    // that crosses it at a steep slant. Both ends are then looked up in the middle.
     const NearOnSheet* const lamp = light.near();
     const DistantOnSheet sun = light.distant() ? *light.distant() : DistantOnSheet();
     const bool apart = light.withinSheet && (!lamp || lamp->distanceW > thickness);

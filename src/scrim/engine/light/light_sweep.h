@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 3 of a batch: carries every light's shadow buffer through the sheets, and provides what shading needs to know
-// about each light on each sheet.
+// Stage 3 of a batch: carries every light's shadow buffer through the sheets, and provides what
+// shading needs to know about each light on each sheet.
 #pragma once
 
 #include <scrim/engine/light/shadow_buffer.h>
@@ -20,13 +20,13 @@ class LightSweep {
     LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group);
     ~LightSweep();
 
-    /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction` is that of the shared
-    /// sheets; a light with its own lattice splats its own instead. Returns the light samples, and the footprints that
-    /// were splatted for lights alone.
+    /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction` is
+    /// that of the shared sheets; a light with its own lattice splats its own instead. Returns the
+    /// light samples, and the footprints that were splatted for lights alone.
     RenderWork attenuate(int firstSheet, int count, const ExtinctionSum& extinction);
 
-    /// The lights that reach sheet `p` of the batch, and their shadow buffers, one for each extinction channel
-    /// (nullptr: unshadowed).
+    /// The lights that reach sheet `p` of the batch, and their shadow buffers, one for each
+    /// extinction channel (nullptr: unshadowed).
     struct OnSheet {
         int sheet = 0;
         std::vector<SheetLight> lights;

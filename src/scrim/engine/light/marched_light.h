@@ -14,8 +14,8 @@
 
 namespace scrim {
 
-/// Light at a point, relative to all directions: the mean of its radiance, and for each colour the mean of that times
-/// its direction of travel.
+/// Light at a point, relative to all directions: the mean of its radiance, and for each colour the
+/// mean of that times its direction of travel.
 struct FromAllSides {
     Rgb mean{0};
     std::array<Vec3, 3> flow{Vec3(0), Vec3(0), Vec3(0)};
@@ -39,8 +39,8 @@ class MarchedLight {
     /// count by what they send to the point, without regard to a surface there. Solids do not count.
     Rgb transmittance(std::size_t light, const Vec3& ws) const;
 
-    /// The irradiance of all lights on a surface at `ws` whose normal is `normal` (unit), through all volumes and past
-    /// the solids that cast shadows.
+    /// The irradiance of all lights on a surface at `ws` whose normal is `normal` (unit), through
+    /// all volumes and past the solids that cast shadows.
     Rgb irradiance(const Vec3& ws, const Vec3& normal) const;
 
     /// What arrives likewise of the lights in `lights` (litBy) in a cell of `edge` around `ws`.

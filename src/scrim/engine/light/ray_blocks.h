@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Square blocks of eye rays, of which the even parts are interpolated: what arrives at solids is expensive, and mostly
-// as smooth as the volumes.
+// Square blocks of eye rays, of which the even parts are interpolated: what arrives at solids is
+// expensive, and mostly as smooth as the volumes.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -13,9 +13,9 @@
 
 namespace scrim {
 
-/// Calls visit(first ray) for blocks of `edge` x `edge` rays that cover `rays`, in parallel by rows that are `row` rays
-/// high, a whole number of blocks. Blocks lie on one raster over the plane, so that a crop has those of the whole
-/// picture. Calls `checkpoint` now and then.
+/// Calls visit(first ray) for blocks of `edge` x `edge` rays that cover `rays`, in parallel by rows
+/// that are `row` rays high, a whole number of blocks. Blocks lie on one raster over the plane, so
+/// that a crop has those of the whole picture. Calls `checkpoint` now and then.
 template <class Visit>
 void forRayBlocks(const PixelWindow& rays, int edge, int row, const Checkpoint& checkpoint, const Visit& visit) {
     const auto down = [](int a, int b) { return (a >= 0 ? a / b : -((b - 1 - a) / b)) * b; };
@@ -42,10 +42,10 @@ struct InSquare {
     }
 };
 
-/// Calls set(ray, place, a, b, c, d) for the rays [0, edge)^2 of a block from `from` on: its place in a square, and
-/// valueAt(ray) of the square's corners, which are rays in [0, edge]^2. Squares for which isEven(from, edge) does not
-/// hold are divided, down to single rays, all of whose corners are the ray itself. Rays that has(ray) does not hold for
-/// are left out.
+/// Calls set(ray, place, a, b, c, d) for the rays [0, edge)^2 of a block from `from` on: its place
+/// in a square, and valueAt(ray) of the square's corners, which are rays in [0, edge]^2. Squares
+/// for which isEven(from, edge) does not hold are divided, down to single rays, all of whose
+/// corners are the ray itself. Rays that has(ray) does not hold for are left out.
 template <class Has, class IsEven, class ValueAt, class Set>
 void fillRays(const Int2& from, int edge, const Has& has, const IsEven& isEven, const ValueAt& valueAt,
               const Set& set) {

@@ -15,8 +15,8 @@ struct TileRange {
     int first = 0, last = -1;  // closed
 };
 
-// The raster tiles that the texels of one row or column of sheet tiles look up, with a margin of one cell and one
-// texel, so that bilinear look-ups stay within tiles that take part.
+// The raster tiles that the texels of one row or column of sheet tiles look up, with a margin of
+// one cell and one texel, so that bilinear look-ups stay within tiles that take part.
 TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles) {
     const double lower = (sheetTile * kTileEdge - 1 - offset) / scale - 1;
     const double upper = (sheetTile * kTileEdge + kTileEdge - offset) / scale + 1;
@@ -47,8 +47,8 @@ ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFi
     m_used.reserve(std::size_t(batchSheets));
 }
 
-// The part of its own sheet that light from a point light inside of the volume crosses. No raster resolves it, so every
-// ray takes the extinction at the light.
+// The part of its own sheet that light from a point light inside of the volume crosses. No raster
+// resolves it, so every ray takes the extinction at the light.
 void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
     alignas(64) Real u[kTileSize], v[kTileSize], sigma[kTileSize];
     std::fill(u, u + kTileSize, static_cast<Real>(m_view.tsSource.x));

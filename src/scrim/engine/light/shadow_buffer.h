@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shadow buffers: a raster of optical depth for each light, carried from sheet to sheet (ZC02 section 3.2).
 //
-// The buffer holds optical depth instead of the paper's opacity: sums of tau keep their precision where 1 - alpha would
-// lose it, and the light is e^-tau of it (eq. 5). For each sheet of a batch the buffer also keeps tau where light
-// enters the sheet, which shading reads.
+// The buffer holds optical depth instead of the paper's opacity: sums of tau keep their precision
+// where 1 - alpha would lose it, and the light is e^-tau of it (eq. 5). For each sheet of a batch
+// the buffer also keeps tau where light enters the sheet, which shading reads.
 #pragma once
 
 #include <scrim/engine/model/plan.h>
@@ -26,15 +26,15 @@ namespace scrim {
 class Shadow {
   public:
     virtual ~Shadow() = default;
-    /// Prepares sheets [firstSheet, firstSheet + count), whose planes are in `extinction`. `covered` has active tiles
-    /// wherever there is extinction or the shadow will be looked up.
+    /// Prepares sheets [firstSheet, firstSheet + count), whose planes are in `extinction`.
+    /// `covered` has active tiles wherever there is extinction or the shadow will be looked up.
     virtual void beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered) = 0;
     /// The number of independent tasks of the batch, which are tiles of one row.
     virtual int taskCount() const = 0;
-    /// Carries the tiles of one task through the sheets of the batch: keeps tau at entry, then adds each sheet's
-    /// extinction times the path through it. `surfaces`: if there are any, all extinction is theirs, and buffers that
-    /// are resampled from the shared sheets classify it along their own rays. Returns the number of light samples
-    /// taken.
+    /// Carries the tiles of one task through the sheets of the batch: keeps tau at entry, then adds
+    /// each sheet's extinction times the path through it. `surfaces`: if there are any, all
+    /// extinction is theirs, and buffers that are resampled from the shared sheets classify it
+    /// along their own rays. Returns the number of light samples taken.
     virtual std::uint64_t attenuate(int task, const PlaneStack& extinction,
                                     const std::vector<const Surface*>& surfaces) = 0;
     /// After all of `attenuate`: compensates for the blur of later look-ups in sheet s of the batch.
@@ -53,8 +53,8 @@ class Shadow {
     }
     /// Makes look-ups valid where a sheet has no extinction, too: other levels may have some there.
     virtual void lookUpAnywhere() {}
-    /// Tau behind all sheets so far, on the light's rays that pass `count` positions on the plane N = `plane`, wherever
-    /// that is.
+    /// Tau behind all sheets so far, on the light's rays that pass `count` positions on the plane N
+    /// = `plane`, wherever that is.
     virtual void lookUpNow(double /*plane*/, const Real* /*u*/, const Real* /*v*/, int count, Real* tau) const {
         std::fill_n(tau, count, Real(0));
     }
@@ -62,19 +62,19 @@ class Shadow {
     virtual void lookUpWithin(double plane, Real /*part*/, const Real* u, const Real* v, int count, Real* tau) const {
         lookUpNow(plane, u, v, count, tau);
     }
-    /// The cells of the light's rays through a box of texels on the plane N = `plane`; and whether any cell there, or
-    /// next to it, has met active tiles so far.
+    /// The cells of the light's rays through a box of texels on the plane N = `plane`; and whether
+    /// any cell there, or next to it, has met active tiles so far.
     virtual Box2<double> cellsOf(const Box2<double>& texels, double /*plane*/) const { return texels; }
     virtual bool anyMet(const Box2<double>& /*cells*/) const { return false; }
     virtual std::size_t bytes() const = 0;
 };
 
-/// A buffer that is resampled from the shared sheets. Only tiles of the raster that the sheet's active texels can see
-/// are touched.
+/// A buffer that is resampled from the shared sheets. Only tiles of the raster that the sheet's
+/// active texels can see are touched.
 class ShadowBuffer final : public Shadow {
   public:
-    /// `lookUps`: the number of bilinear look-ups between this buffer and the picture: one where pixels look into it,
-    /// two where texels do and pixels look at the texels. See `prefilter`.
+    /// `lookUps`: the number of bilinear look-ups between this buffer and the picture: one where
+    /// pixels look into it, two where texels do and pixels look at the texels. See `prefilter`.
     /// `looksBefore`: lookUpBefore will be called.
     ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps, int batchSheets,
                  Simd simd = {}, bool looksBefore = false);
@@ -90,8 +90,8 @@ class ShadowBuffer final : public Shadow {
     std::uint64_t attenuate(int task, const PlaneStack& extinction,
                             const std::vector<const Surface*>& surfaces) override;
 
-    /// As PlaneStack::prefilter: subtracts from tau at entry a twelfth of its second differences for each look-up. The
-    /// values that the buffer carries on are not changed.
+    /// As PlaneStack::prefilter: subtracts from tau at entry a twelfth of its second differences
+    /// for each look-up. The values that the buffer carries on are not changed.
     void prefilter(int s) override;
 
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;

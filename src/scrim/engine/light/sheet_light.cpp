@@ -117,8 +117,8 @@ HWY_ATTR HWY_INLINE Vector3 combined(const TileMap& m, VF u, VF v, VF n) {
     return {part(0), part(1), part(2)};
 }
 
-// For one vector of samples: whether it is lit, the centre of its footprint, and the sums over the footprint's edges of
-// the products of their coordinates.
+// For one vector of samples: whether it is lit, the centre of its footprint, and the sums over the
+// footprint's edges of the products of their coordinates.
 struct Spread {
     hn::Mask<DF> lit;
     VF x, y, xx, xy, yy;
@@ -251,8 +251,8 @@ struct Levels {
     Real beginX, beginY, endX, endY;  // the picture, relative to the tile's corner
 };
 
-// True if the picture is black within `reach` of (x, y) along both axes, by a level of which few pixels cover that
-// square.
+// True if the picture is black within `reach` of (x, y) along both axes, by a level of which few
+// pixels cover that square.
 template <SlideOutside kOutside>
 HWY_ATTR bool blackAround(const Levels& levels, Real x, Real y, Real reach) {
     int level;

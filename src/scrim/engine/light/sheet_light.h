@@ -56,8 +56,8 @@ struct NearOnSheet {
         const LightProfile* table;
         Vec3 frame[3];  ///< its axes right, up and along the light
     };
-    /// Windows divide a light close to the volume into overlapping parts. The share of this part in a direction is its
-    /// window's value there over the sum of all windows.
+    /// Windows divide a light close to the volume into overlapping parts. The share of this part in
+    /// a direction is its window's value there over the sum of all windows.
     struct Window {
         const std::vector<Vec3>* axes;  ///< of all windows
         int number;                     ///< of this part's window among them
@@ -84,8 +84,8 @@ struct SheetLight {
     std::variant<DistantOnSheet, NearOnSheet> source;
     bool shadowed = true;
     bool withinSheet = true;  ///< includes attenuation by the sheet itself
-    /// What a sub-light stands for: if it is distant the half angle of a cap, else the area of a surface, world units
-    /// squared; 0: it is a light of its own.
+    /// What a sub-light stands for: if it is distant the half angle of a cap, else the area of a
+    /// surface, world units squared; 0: it is a light of its own.
     Real part = 0;
     Real intensity[3] = {1, 1, 1};
     int output = 0;  ///< output that receives its light: a part of the beauty, or the beauty

@@ -18,8 +18,8 @@
 
 namespace scrim {
 
-/// Straight paths of 256 points across a raster: positions in cells, and the ends that they ask for, where they begin
-/// and where they end.
+/// Straight paths of 256 points across a raster: positions in cells, and the ends that they ask
+/// for, where they begin and where they end.
 struct RasterPaths {
     struct Places {
         alignas(64) Real x[kTileSize], y[kTileSize], n[kTileSize];
@@ -39,8 +39,8 @@ class SolidRaster {
     /// at (x, y) and is called from many threads. Ends that differ by less than `same` are those of one surface.
     SolidRaster(Int2 size, int parts, Real same, const EndAt& endAt);
 
-    /// Multiplies `light` by the part of each path, in [0, 1], on which the ends are not before those asked for.
-    /// Positions outside of the raster are moved to its border.
+    /// Multiplies `light` by the part of each path, in [0, 1], on which the ends are not before
+    /// those asked for. Positions outside of the raster are moved to its border.
     void pass(const RasterPaths& paths, Simd simd, Real* light) const;
 
     /// That part at a point, 0 or 1 but for interpolation between rays.
@@ -89,11 +89,11 @@ class SolidRaster {
 
     int m_width, m_height, m_parts;
     Real m_same;
-    // The ends of the raster's own rays, and then, for each divided cell, of (parts + 1)^2 rays, those on its border
-    // included.
+    // The ends of the raster's own rays, and then, for each divided cell, of (parts + 1)^2 rays,
+    // those on its border included.
     std::vector<Real> m_ends;
-    // For each of (width - 1) x (height - 1) cells where the ends of its finer rays begin in m_ends; of an undivided
-    // one the bitwise complement of where the end of its first corner is.
+    // For each of (width - 1) x (height - 1) cells where the ends of its finer rays begin in
+    // m_ends; of an undivided one the bitwise complement of where the end of its first corner is.
     std::vector<RealIndex> m_first;
     std::vector<Level> m_levels;
     std::uint64_t m_rays = 0;

@@ -27,9 +27,9 @@ struct Caught {
     std::size_t light;
 };
 
-// Catches the shadows of blocks of eye rays. What arrives at a solid is as smooth as the volumes' grids, so where a
-// block's points on solids are closer together than the sheets are thick, at most a voxel, it is interpolated between
-// the block's corners.
+// Catches the shadows of blocks of eye rays. What arrives at a solid is as smooth as the volumes'
+// grids, so where a block's points on solids are closer together than the sheets are thick, at most
+// a voxel, it is interpolated between the block's corners.
 class Catcher {
   public:
     static constexpr int kBlock = 16;  // rays along an edge

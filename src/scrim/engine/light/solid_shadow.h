@@ -27,17 +27,17 @@ struct SolidDetail {
     double margin = 2;  ///< sheets by which light reaches behind a visible lit surface, or ends before a dark one
 };
 
-/// Shadows of solids: for each ray of a light's raster, where it first meets a surface. In contrast to optical depth,
-/// this is known before the sweep begins, and is a single number for each ray.
+/// Shadows of solids: for each ray of a light's raster, where it first meets a surface. In contrast
+/// to optical depth, this is known before the sweep begins, and is a single number for each ray.
 class SolidShadow {
   public:
-    /// Traces the rays of `view`, a light of a sweep through `sheets`. `camera` tells which side of a surface is
-    /// visible.
+    /// Traces the rays of `view`, a light of a sweep through `sheets`. `camera` tells which side of
+    /// a surface is visible.
     SolidShadow(const Solids& solids, const LightView& view, const Sheets& sheets, const Camera& camera,
                 const SolidDetail& detail, Simd simd);
 
-    /// Multiplies `light` by the fraction, in [0, 1], that passes the solids to the eye's paths through sheet n at 256
-    /// samples: the mean over these paths.
+    /// Multiplies `light` by the fraction, in [0, 1], that passes the solids to the eye's paths
+    /// through sheet n at 256 samples: the mean over these paths.
     void multiply(int n, const SampleTile& samples, Real* light) const;
 
     /// The same to 256 texel positions in the middle of sheet n.

@@ -269,8 +269,8 @@ inline bool place(int along, const Vec3& at, Between& out) {
 
 }  // namespace
 
-// What arrives at `ws` along a cone around `direction`, up to `most` world units away; `spread`: its width over its
-// length. Samples lie between the cells that are about as wide.
+// What arrives at `ws` along a cone around `direction`, up to `most` world units away; `spread`:
+// its width over its length. Samples lie between the cells that are about as wide.
 template <bool withFlows>
 Rgb VolumeShine::radiance(const Vec3& ws, const Vec3& direction, double spread, double most) const {
     constexpr double kStep = 0.75;  // of the width
@@ -346,8 +346,8 @@ Rgb VolumeShine::irradiance(const Vec3& ws, const Vec3& normal, const Cap& cap) 
     return own * sum;
 }
 
-// Within the sphere around the volumes by cones over the hemisphere, outside by cones over what the sphere covers of
-// all directions, and at its border by both, because they do not agree exactly.
+// Within the sphere around the volumes by cones over the hemisphere, outside by cones over what the
+// sphere covers of all directions, and at its border by both, because they do not agree exactly.
 Rgb VolumeShine::irradiance(const Vec3& ws, const Vec3& normal) const {
     constexpr double kPi = std::numbers::pi, kBorder = 0.25;  // radii
     const double away = glm::distance(ws, m_wsBounds.center()) / m_radius;

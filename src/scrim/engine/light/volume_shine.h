@@ -25,8 +25,8 @@ class VolumeShine {
     /// withScatteredApart(scene). Calls `checkpoint` now and then. Throws as scatteredMoments does.
     VolumeShine(const ViewScene& scene, const TransportPlan& again, const Checkpoint& checkpoint);
 
-    /// The irradiance on a surface at `ws` whose normal is `normal` (unit), through all volumes and past the solids
-    /// that cast shadows.
+    /// The irradiance on a surface at `ws` whose normal is `normal` (unit), through all volumes and
+    /// past the solids that cast shadows.
     Rgb irradiance(const Vec3& ws, const Vec3& normal) const;
 
     /// The memory that cells take while they are made.
@@ -37,8 +37,8 @@ class VolumeShine {
     struct Cell {
         std::array<float, 4> extinction{}, source{};
     };
-    // Per world unit, for each colour the part of the source that comes in a beam along x, y and z, and its length
-    // times the mean cosine by which it is scattered.
+    // Per world unit, for each colour the part of the source that comes in a beam along x, y and z,
+    // and its length times the mean cosine by which it is scattered.
     using Flow = std::array<std::array<float, 4>, 3>;
     // Cells of one size in the cube around all volumes, x fastest, with a border of empty ones.
     struct Level {

@@ -18,8 +18,8 @@
 namespace scrim {
 namespace {
 
-// A row of 16 rays in texel space, as affine functions of the pixel's index i: origin + i * originStep, and likewise
-// for directions. In double precision, since an eye may be far away.
+// A row of 16 rays in texel space, as affine functions of the pixel's index i: origin + i *
+// originStep, and likewise for directions. In double precision, since an eye may be far away.
 struct RayRow {
     double origin[3], originStep[3], direction[3], directionStep[3];
     double near;       // depth at which rays begin, in units of the direction
@@ -183,8 +183,8 @@ void EyeView::setTexels(double middle, int texelX, int texelY, SampleTile& sampl
 
 SampleSpacing EyeView::pixelSpacing(double middle) const {
     SampleSpacing spacing;
-    // For rays from the eye, a step of one pixel is a step of their direction, times the distance of the sample along
-    // the ray, which the last row of the inverse gives.
+    // For rays from the eye, a step of one pixel is a step of their direction, times the distance
+    // of the sample along the ray, which the last row of the inverse gives.
     const Vec3 &x = m_orthographic ? m_ts.originX : m_ts.directionX,
                &y = m_orthographic ? m_ts.originY : m_ts.directionY;
     for (int axis = 0; axis < 3; ++axis) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The eye as one sweep sees it: where pixels' rays cross the sheets, and which pixels see a texel; and the positions of
-// a tile's 256 samples, at texels of a sheet or where pixels' rays meet it.
+// The eye as one sweep sees it: where pixels' rays cross the sheets, and which pixels see a texel;
+// and the positions of a tile's 256 samples, at texels of a sheet or where pixels' rays meet it.
 #pragma once
 
 #include <scrim/geometry/camera.h>
@@ -28,8 +28,8 @@ struct SampleSpacing {
     Real t0 = 1, tu = 0, tv = 0;
 };
 
-/// The pixels of all tiles that `region` touches. Tiles begin at multiples of kTileEdge, so that a crop has the tiles
-/// of the whole picture, and its pixels the same bits.
+/// The pixels of all tiles that `region` touches. Tiles begin at multiples of kTileEdge, so that a
+/// crop has the tiles of the whole picture, and its pixels the same bits.
 inline PixelWindow tilesAround(const PixelWindow& region) {
     const auto down = [](int x) { return (x >= 0 ? x : x - kTileEdge + 1) / kTileEdge * kTileEdge; };
     const auto up = [&](int x) { return -down(-x); };
@@ -53,8 +53,8 @@ struct SampleTile {
     alignas(64) Real v[kTileSize];
     alignas(64) Real eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's rays
     alignas(64) Real eyeB[kTileSize];
-    /// The rays that the samples lie on, if they all lie where these meet one plane: `step` planes from the rays'
-    /// first.
+    /// The rays that the samples lie on, if they all lie where these meet one plane: `step` planes
+    /// from the rays' first.
     const RayTile* rays = nullptr;
     Real step = 0;
     /// For each sample the part of the sheet that its ray passes, in sheets, and the place of that part's middle, where
@@ -72,8 +72,8 @@ class EyeView {
 
     Simd simd() const { return m_simd; }
 
-    /// One pixel's ray in texel space: (U, V) = position + slope * (N - reference). Its depth, along the viewing axis,
-    /// is depth + stepDepth * (N - reference).
+    /// One pixel's ray in texel space: (U, V) = position + slope * (N - reference). Its depth,
+    /// along the viewing axis, is depth + stepDepth * (N - reference).
     struct Ray {
         double u, v;
         double slopeU, slopeV;  ///< texels per sheet
@@ -87,12 +87,12 @@ class EyeView {
     /// Smaller depths are not visible.
     double near() const { return m_ts.near; }
 
-    /// The rays through the centres of the 16 x 16 pixels from (x0, y0), for a batch whose first plane is at N =
-    /// `reference`.
+    /// The rays through the centres of the 16 x 16 pixels from (x0, y0), for a batch whose first
+    /// plane is at N = `reference`.
     RayTile rays(int x0, int y0, double reference) const;
 
-    /// N - reference of points on the rays of those pixels, given by their depths along the viewing axis. An infinite
-    /// depth gives an infinite N in the direction of the ray.
+    /// N - reference of points on the rays of those pixels, given by their depths along the viewing
+    /// axis. An infinite depth gives an infinite N in the direction of the ray.
     void planesAt(int x0, int y0, const double* depths, double reference, Real* planes) const;
 
     /// The lattice of the pixels in tiles of `region`, with `guardTiles` more tiles on each side, into which per-view
@@ -108,8 +108,8 @@ class EyeView {
     /// Sets in `samples` the depth of positions on the plane N = `middle`.
     void setDepth(double middle, SampleTile& samples) const;
 
-    /// A box, in raster positions, around the pixels whose rays may pass through a box of texels on the plane N =
-    /// `middle`. No value if no bound is known (next to the eye and behind it).
+    /// A box, in raster positions, around the pixels whose rays may pass through a box of texels on
+    /// the plane N = `middle`. No value if no bound is known (next to the eye and behind it).
     std::optional<Box2<double>> seenBy(const Box2<double>& texels, double middle) const;
 
   private:

@@ -12,8 +12,8 @@
 
 namespace scrim {
 
-/// Counts of the work of shading. Each pass over a tile counts itself once per tile. Thus a pass that is not run shows
-/// as 0, and loops over samples do not count.
+/// Counts of the work of shading. Each pass over a tile counts itself once per tile. Thus a pass
+/// that is not run shows as 0, and loops over samples do not count.
 struct ShadeWork {
     std::uint64_t samples = 0;       ///< shaded samples: texels, or points where pixels' rays meet sheets
     std::uint64_t lightLookups = 0;  ///< light and sample pairs

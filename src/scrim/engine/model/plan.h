@@ -47,8 +47,8 @@ struct OutputLayout {
     int ambient = 0, emission = 0;             ///< the outputs that receive light which belongs to no light
     std::optional<int> indirect;               ///< receives what has scattered more than once, too
     std::optional<int> albedo, depth, motion;  ///< the outputs of these layers, where they are asked for
-    /// The output for the opacity of what is visible, in each channel, if something hides without being visible. It is
-    /// then the picture's alpha. It is not a layer, and is the last output.
+    /// The output for the opacity of what is visible, in each channel, if something hides without
+    /// being visible. It is then the picture's alpha. It is not a layer, and is the last output.
     std::optional<int> seen;
     int beautyParts = 1;  ///< outputs [1, beautyParts) are parts of the beauty
 
@@ -89,8 +89,8 @@ struct ExtinctionChannels {
     std::vector<Rgb> tints{Rgb(1)};
     /// For each channel the lights of the scene in which it casts shadows, as ViewVolume::shadows.
     std::vector<std::vector<bool>> shadows{{}};
-    /// For each volume of the scene, by channel: the factor on the volume's extinction in the colour where it is
-    /// largest.
+    /// For each volume of the scene, by channel: the factor on the volume's extinction in the
+    /// colour where it is largest.
     std::vector<std::vector<Real>> weights;
 
     int count() const { return static_cast<int>(tints.size()); }
@@ -108,8 +108,8 @@ struct ScatterTarget {
     bool ambient = false, emission = false;
 };
 
-/// Part of space that scattered light is solved for on cells of one size (solve/scatter_domains.h). All lists are for
-/// each of ViewScene::volumes.
+/// Part of space that scattered light is solved for on cells of one size (solve/scatter_domains.h).
+/// All lists are for each of ViewScene::volumes.
 struct ScatterDomain {
     std::vector<bool> volumes;  ///< whether the cells keep its light
     std::vector<bool> held;     ///< whether the cells have its voxels: volumes of the same or smaller ones
@@ -191,8 +191,8 @@ struct LightView {
     int height = 0;
     double slopeScale = 1;  ///< texel / thickness: turns dU/dN into the slope du/dw
 
-    /// The slope (du/dw, dv/dw) of the ray through cell (i, j), the same on every sheet; a distant light's is the same
-    /// in all cells.
+    /// The slope (du/dw, dv/dw) of the ray through cell (i, j), the same on every sheet; a distant
+    /// light's is the same in all cells.
     Vec2 slopeAt(double i, double j) const {
         return (distant ? Vec2(tsSource) : first + cell * Vec2(i, j)) * slopeScale;
     }
@@ -200,12 +200,12 @@ struct LightView {
     /// The difference of the slopes of two cells side by side.
     double slopeStep() const { return distant ? 0 : cell * slopeScale; }
 
-    /// True if the light reaches the middle plane of sheet n. A point light needs half a sheet of distance, since its
-    /// rays cannot be distinguished closer than that.
+    /// True if the light reaches the middle plane of sheet n. A point light needs half a sheet of
+    /// distance, since its rays cannot be distinguished closer than that.
     bool reaches(int n) const { return distant || n + 0.5 - tsSource.z >= 0.5; }
 
-    /// The fraction in [0, 1] of sheet n's thickness that lies in front of a point light (1 for a distant one): the
-    /// sheet that contains the light is lit in part.
+    /// The fraction in [0, 1] of sheet n's thickness that lies in front of a point light (1 for a
+    /// distant one): the sheet that contains the light is lit in part.
     double litPart(int n) const { return distant ? 1.0 : std::clamp(n + 1 - tsSource.z, 0.0, 1.0); }
 
     /// The map at the middle plane of sheet n, which the light must reach.
@@ -232,17 +232,17 @@ struct PlannedLight {
     double share = 1;  ///< of the light's intensity; below 1 during a cross-fade between two sweeps
 
     bool shadowed = true;
-    /// The size of its raster's cells, relative to what the dial `shadow_texel` says: more than 1 where these would be
-    /// too many.
+    /// The size of its raster's cells, relative to what the dial `shadow_texel` says: more than 1
+    /// where these would be too many.
     double coarser = 1;
     LightView view = {};
     std::vector<Vec3> ssWindows = {};  ///< wsWindows in sweep space, see SheetLight
     Lattice lattice = {};              ///< lattice of the sheets that it passes through: the shared one, or its own
 };
 
-/// The part of a sweep's sheets that the picture needs: what its pixels see, and what light passes on the way there.
-/// Sheets and tiles keep their places. What is culled is not splatted, and a crop's pixels equal those of the whole
-/// picture.
+/// The part of a sweep's sheets that the picture needs: what its pixels see, and what light passes
+/// on the way there. Sheets and tiles keep their places. What is culled is not splatted, and a
+/// crop's pixels equal those of the whole picture.
 struct NeededTiles {
     std::vector<Box2<int>> sheets;  ///< for each sheet, the box of needed tiles
     int first = 0, last = 0;        ///< all needed tiles are in sheets [first, last)
@@ -263,8 +263,8 @@ struct GroupPlan {
     /// Share of what one sweep owns, alpha and ambient light; shares sum to 1 over the groups of an eye part.
     double primary = 0;
 
-    /// This sweep and the number of sweeps along this axis; more than one where the memory limit allows only some of
-    /// the lights at a time.
+    /// This sweep and the number of sweeps along this axis; more than one where the memory limit
+    /// allows only some of the lights at a time.
     int pass = 1, passes = 1;
     Sheets sheets;
     int batchSheets = 1;  ///< number of sheets in memory at a time
@@ -317,13 +317,13 @@ struct Plan {
     std::vector<std::string> culledLights;
     std::vector<EyePart> eyeParts;  ///< in pixels of the picture; windows cut to the region
     std::size_t bytes = 0;          ///< buffers at their largest, with the frame, without the fields
-    /// The part of `bytes` that a deep picture may take at most, with a sample for every ray and sheet. Most scenes
-    /// need a small part of it, so it is not a reason to refuse a scene. A render stops if it needs more than the next
-    /// limit.
+    /// The part of `bytes` that a deep picture may take at most, with a sample for every ray and
+    /// sheet. Most scenes need a small part of it, so it is not a reason to refuse a scene. A
+    /// render stops if it needs more than the next limit.
     std::size_t deepBytes = 0;
     std::size_t mostDeepBytes = 0;  ///< limit on the samples of a sweep by the memory limit; 0: none
-    /// Rough counts of the work ahead: of footprints, and upper bounds on shaded texels, on cells of shadow buffers
-    /// walked, and on pixel and sheet pairs.
+    /// Rough counts of the work ahead: of footprints, and upper bounds on shaded texels, on cells
+    /// of shadow buffers walked, and on pixel and sheet pairs.
     RenderWork work;
 };
 

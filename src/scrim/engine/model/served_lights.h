@@ -16,8 +16,8 @@ enum class Server {
     border    ///< the border of the cells on which scattered light is solved for (solve/scattered_light.h)
 };
 
-/// Who serves one light of the scene. The suns in the picture of a sky are not meant: they always have sub-lights of
-/// their own, which shine on all volumes that the sky shines on.
+/// Who serves one light of the scene. The suns in the picture of a sky are not meant: they always
+/// have sub-lights of their own, which shine on all volumes that the sky shines on.
 struct ServedLight {
     std::vector<Server> volumes;  ///< for each of ViewScene::volumes
     /// The light is represented by sub-lights in sweeps, because buffers serve a volume.

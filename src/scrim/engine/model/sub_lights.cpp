@@ -52,8 +52,8 @@ Vec3 onCap(const Vec2& p, double cosine) {
     return {r * std::cos(2 * kPi * p.y), r * std::sin(2 * kPi * p.y), z};
 }
 
-// The radius of an element of a surface with this area, within which irradiance grows no further: a disk of the same
-// area fills the half-space in front of it, 2 pi, and so does the element there.
+// The radius of an element of a surface with this area, within which irradiance grows no further: a
+// disk of the same area fills the half-space in front of it, 2 pi, and so does the element there.
 double radiusOf(double area) {
     return std::sqrt(area / (2 * kPi));
 }
@@ -121,8 +121,8 @@ std::shared_ptr<const Texture> windowOf(const Light& light) {
     return std::make_shared<const Texture>(image);
 }
 
-// Parallel light through the light's window, in directions all over the cone that it shines into. Its power stays the
-// same.
+// Parallel light through the light's window, in directions all over the cone that it shines into.
+// Its power stays the same.
 void addBeams(const Light& whole, int count, std::vector<Light>& out) {
     const Light::Area& area = *whole.area();
     const Spread spread(area.spread);
@@ -291,9 +291,9 @@ void addSun(const Light& whole, double angle, int count, std::vector<Light>& out
                               whole.intensity * (1.0 / count)));
 }
 
-// A sphere at a distance d of at least twice its radius r from all volumes shines like points all over it that shine
-// evenly: both send 1 + r^2 / 4 d^2 times the light of one point. (Elements would be off by 5 to 9 % from nine of them,
-// at any distance, and by 0.7 % from a hundred.)
+// A sphere at a distance d of at least twice its radius r from all volumes shines like points all
+// over it that shine evenly: both send 1 + r^2 / 4 d^2 times the light of one point. (Elements
+// would be off by 5 to 9 % from nine of them, at any distance, and by 0.7 % from a hundred.)
 bool isFarSphere(const Light& light, const Bounds& ws) {
     const Light::Area* area = light.area();
     if (!area || area->shape != AreaShape::sphere || ws.empty()) return false;
@@ -355,12 +355,12 @@ int pointsOnCells(const ViewScene& scene, const Light& light) {
         const double points = kPerSize * light.area()->radius / largest(wsBounds(scene).size());
         return std::min(count, std::max(kOfSphere, static_cast<int>(std::ceil(points))));
     }
-    // In smoke of g = 0.8 a sky at noon left 3.0, 1.5 and 1.0 % with 130, 260 and 325 directions, one at dusk 2.6, 2.5
-    // and 2.1.
+    // In smoke of g = 0.8 a sky at noon left 3.0, 1.5 and 1.0 % with 130, 260 and 325 directions,
+    // one at dusk 2.6, 2.5 and 2.1.
     constexpr double kForLobes = 2;
     const double more = light.dome() && light.slide && anyLobe(scene) ? kForLobes : 1;
-    // Measured on a plume of noise: a dome of 128 directions instead of 200 has the same error, as have 16 points of a
-    // soft box instead of 35.
+    // Measured on a plume of noise: a dome of 128 directions instead of 200 has the same error, as
+    // have 16 points of a soft box instead of 35.
     const int most = light.dome() ? kMostSubLights : count;
     return std::max(std::min(static_cast<int>(std::ceil(more * count * (light.dome() ? 0.65 : 0.5))), most),
                     std::min(count, 8));
@@ -410,8 +410,8 @@ double widestCap(const Light& subLight, double part, const Bounds& ws) {
 
 namespace {
 
-// The solid angle of a sun or sky, or the area that a surface's sub-lights stand for: of a far sphere, that of its
-// disk.
+// The solid angle of a sun or sky, or the area that a surface's sub-lights stand for: of a far
+// sphere, that of its disk.
 double measureOf(const Light& light, bool farSphere) {
     if (const Light::Area* area = light.area()) return area->area() * (farSphere ? 0.25 : 1);
     return solidAngle(light, {});

@@ -23,8 +23,8 @@ struct SubLights {
     std::vector<Light> lights;  ///< at least one for each light of the scene; none is extended
     std::vector<int> owners;    ///< for each of them the index into the lights of the scene, ascending
     std::vector<bool> suns;     ///< for each of them whether it belongs to a sun in the picture of a sky
-    /// For each of them what it stands for: of a sun or sky the solid angle, of a surface the area (world units
-    /// squared); 0: it is a light of the scene itself.
+    /// For each of them what it stands for: of a sun or sky the solid angle, of a surface the area
+    /// (world units squared); 0: it is a light of the scene itself.
     std::vector<double> parts;
 
     /// For each volume of the scene, which of `lights` buffers bring to it; empty: all of them.
@@ -53,21 +53,21 @@ int subLightCount(const ViewScene& scene, const Light& light);
 /// The number of points or directions that represent `light` on cells, which blur the steps between them: fewer.
 int pointsOnCells(const ViewScene& scene, const Light& light);
 
-/// True if on cells `light` counts as a lamp, all of whose light comes from about one direction: a point, or a sphere
-/// that is small beside the volumes.
+/// True if on cells `light` counts as a lamp, all of whose light comes from about one direction: a
+/// point, or a sphere that is small beside the volumes.
 bool isLampOnCells(const ViewScene& scene, const Light& light);
 
-/// True if the lamps on cells (isLampOnCells) share the cells that keep their light; only the light near a lamp is then
-/// kept on cells of its own. They share cells if there are more than four of them, since own cells are more precise; if
-/// no layer wants the light of one of them; and if no solid casts a shadow, since its edges near a lamp are too fine
-/// for shared cells.
+/// True if the lamps on cells (isLampOnCells) share the cells that keep their light; only the light
+/// near a lamp is then kept on cells of its own. They share cells if there are more than four of
+/// them, since own cells are more precise; if no layer wants the light of one of them; and if no
+/// solid casts a shadow, since its edges near a lamp are too fine for shared cells.
 bool lampsShareCells(const ViewScene& scene);
 
 /// True if two lights differ in brightness only.
 bool sameColour(const Rgb& a, const Rgb& b);
 
-/// `count` points whose mean transmittance is that of a lamp on cells. Those of a sphere have the same spread across
-/// any line of sight as its disk: a quarter of the radius squared.
+/// `count` points whose mean transmittance is that of a lamp on cells. Those of a sphere have the
+/// same spread across any line of sight as its disk: a quarter of the radius squared.
 std::vector<Vec3> pointsOfLamp(const Light& light, int count);
 
 /// The directions of the suns in the picture of a dome, which cast shadows as sharp as other suns do.
@@ -85,13 +85,13 @@ enum class Skies {
     whole    ///< as they are, so that solves for scattered light have them
 };
 
-/// The scene with each extended light replaced by about `count` lights, for a rough look at it. Pictures need not be
-/// loaded.
+/// The scene with each extended light replaced by about `count` lights, for a rough look at it.
+/// Pictures need not be loaded.
 ViewScene withFewSubLights(const ViewScene& scene, int count, Skies skies = Skies::parted);
 
-/// True if a surface with a spread is a sum of beams, parallel light through a window of its shape: its cone is smaller
-/// than what the surface fills of the sky at the volumes, which are all in front of it. Points, each with its cone,
-/// would show as dots there.
+/// True if a surface with a spread is a sum of beams, parallel light through a window of its shape:
+/// its cone is smaller than what the surface fills of the sky at the volumes, which are all in
+/// front of it. Points, each with its cone, would show as dots there.
 bool shinesInBeams(const ViewScene& scene, const Light& light);
 
 }  // namespace scrim

@@ -43,8 +43,8 @@ struct CellRays {
 /// What all sources of a sweep share.
 struct CellView {
     Phase phase;  ///< towards the eye
-    /// Phong's model in place of the phase function: the diffuse part and, if it has one, the mirrored one, which has
-    /// as many sums behind those of the diffuse one.
+    /// Phong's model in place of the phase function: the diffuse part and, if it has one, the
+    /// mirrored one, which has as many sums behind those of the diffuse one.
     const Classified* surface = nullptr;
     bool parallelEye = true;
     Vec3 eye{0};  ///< its place, in the axes of CellSlices and in cells; parallel: the direction towards it

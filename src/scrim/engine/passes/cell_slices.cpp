@@ -18,8 +18,8 @@
 namespace scrim {
 namespace {
 
-// Sharpens a row of `count` - 2 cells into `to`. `rows`: itself, those beside it, and those in the slices below and
-// above, `count` values each.
+// Sharpens a row of `count` - 2 cells into `to`. `rows`: itself, those beside it, and those in the
+// slices below and above, `count` values each.
 void sharpenRow(const std::vector<Real>& rows, std::size_t count, bool steep, Real* to) {
     const Real* own = rows.data();
     for (std::size_t i = 1; i + 1 < count; ++i) {
@@ -310,9 +310,9 @@ void CellSlices::keepRows() {
 std::vector<std::pair<std::size_t, Real>> CellSlices::hollow(const Vec3& ws, double radius) {
     std::vector<std::pair<std::size_t, Real>> before;
     const Vec3 center = place(ws) - 0.5, count(size[0], size[1], size[2]);
-    // Rays find extinction interpolated across them. Beside a hollow that bends away from them this adds as much to
-    // their depth as if the hollow were smaller by half the variance, across, of a cell and of the interpolation: 1/12
-    // and 1/6 along each of two axes.
+    // Rays find extinction interpolated across them. Beside a hollow that bends away from them this
+    // adds as much to their depth as if the hollow were smaller by half the variance, across, of a
+    // cell and of the interpolation: 1/12 and 1/6 along each of two axes.
     constexpr double kVariance = 0.25;
     const double given = radius / m_grid.edge(), cells = given + kVariance / given;
     const Int3 first(glm::clamp(glm::floor(center - cells), Vec3(0), count)),

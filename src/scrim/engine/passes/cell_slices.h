@@ -52,9 +52,9 @@ class CellSlices {
     CellBox whole() const { return {{0, 0, 0}, size}; }
     std::size_t paddedRow(int j, int k) const { return std::size_t(k) * std::size_t(size[1] + 2) + std::size_t(j + 1); }
     std::size_t rowIndex(int j, int k) const { return std::size_t(k) * std::size_t(size[1]) + std::size_t(j); }
-    /// The extinction, per cell edge, of row j of slice k, as from i = 0 on. It may be read where a row is wanted, or
-    /// there is extinction in this one or one beside it, and from one cell before that to kRowSlack behind. It is 0
-    /// beyond the box.
+    /// The extinction, per cell edge, of row j of slice k, as from i = 0 on. It may be read where a
+    /// row is wanted, or there is extinction in this one or one beside it, and from one cell before
+    /// that to kRowSlack behind. It is 0 beyond the box.
     const Real* row(int j, int k) const { return m_extinction.data() + m_rowAt[paddedRow(j, k)]; }
     /// The result: one of kMostSums sums of light, such as that of a colour, in row j of slice k, as from i = 0 on.
     /// Only where the row is wanted; up to kRowSlack cells behind that may be written.
@@ -71,15 +71,15 @@ class CellSlices {
     /// second order have of the profile, scaled so that towards the corners of `wsVolumes` its mean is the profile's.
     std::tuple<double, Vec3, Mat3> seriesOf(const Light& light, const Bounds& wsVolumes) const;
 
-    /// Takes the normals of surfaces in the cells of `of`, which are those of the grid, in the axes of the slices, and
-    /// their weights. Elsewhere they are 0.
+    /// Takes the normals of surfaces in the cells of `of`, which are those of the grid, in the axes
+    /// of the slices, and their weights. Elsewhere they are 0.
     void face(const CellGrid& of, const SurfaceNormals& normals);
-    /// The normal's components along i, j and the slices (0, 1, 2) and its weight (3) in row j of slice k, as `sums`
-    /// has light.
+    /// The normal's components along i, j and the slices (0, 1, 2) and its weight (3) in row j of
+    /// slice k, as `sums` has light.
     const Real* facing(std::size_t part, int j, int k) const { return m_facing[part].data() + m_sumAt[rowIndex(j, k)]; }
 
-    /// From now on the values of a field say what holds light back, by the integral of its extinction, and not `row`;
-    /// null: row does. Both must outlive this, or the next call.
+    /// From now on the values of a field say what holds light back, by the integral of its
+    /// extinction, and not `row`; null: row does. Both must outlive this, or the next call.
     void classify(const SurfaceCells* surfaces, const ExtinctionIntegral* integral);
     const ExtinctionIntegral* integral() const { return m_integral; }
     /// The field's values, as `row` has the extinction.
@@ -92,20 +92,20 @@ class CellSlices {
               const std::vector<const CellGrid*>& shown = {});
     /// Takes another extinction, which is 0 where that of `fill` was. Light is wanted where it was.
     void refill(const std::vector<Real>& perWorldUnit);
-    /// Takes out the extinction within a sphere, so that rays from within begin at its surface. Returns what `restore`
-    /// needs to undo it.
+    /// Takes out the extinction within a sphere, so that rays from within begin at its surface.
+    /// Returns what `restore` needs to undo it.
     std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius);
     void restore(const std::vector<std::pair<std::size_t, Real>>& before);
     void clearSums(std::size_t sums);
     /// Subtracts from each sum the mean error of interpolation (Sharpened), as far as its neighbours are wanted.
     void sharpen(std::size_t count, bool steep);
-    /// Adds `count` sums from `first` on to a field, from its colour `to` on. Its grid may have other blocks of the
-    /// same cells.
+    /// Adds `count` sums from `first` on to a field, from its colour `to` on. Its grid may have
+    /// other blocks of the same cells.
     void addTo(std::size_t first, std::size_t count, std::size_t to, CellField& field) const;
     /// Marks the grid's stored blocks that have a cell whose first sum is more than `least`.
     void markBlocks(Real least, std::vector<bool>& marked) const;
-    /// Adds to `far` the light of `lamp`, whose transmittance at a knot the sums are, at cells far from it. `colour`:
-    /// the only one that the sums are for; -1: all.
+    /// Adds to `far` the light of `lamp`, whose transmittance at a knot the sums are, at cells far
+    /// from it. `colour`: the only one that the sums are for; -1: all.
     void addFarLight(const LampField& lamp, std::size_t knot, int colour, CellField& far) const;
     std::size_t bytes() const;
 
@@ -129,8 +129,8 @@ class CellSlices {
     // cells of the blocks whose centre, in cells of that grid, `wantsBlock`, in parallel.
     template <class Visit, class Wanted>
     void visitCells(CellField& field, const Visit& visit, const Wanted& wantsBlock) const;
-    // Calls visit(row, i of its first cell, index of that cell in values of `grid`, which has the same cells, and its
-    // step) for all rows of cells in its stored blocks.
+    // Calls visit(row, i of its first cell, index of that cell in values of `grid`, which has the
+    // same cells, and its step) for all rows of cells in its stored blocks.
     template <class Visit>
     void visitRows(const CellGrid& grid, const Visit& visit) const;
 

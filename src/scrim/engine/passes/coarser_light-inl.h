@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal, compiled once for each instruction set: what the media of coarser levels (cells/cell_levels.h) leave of the
-// light that passes the cells of a level.
+// Internal, compiled once for each instruction set: what the media of coarser levels
+// (cells/cell_levels.h) leave of the light that passes the cells of a level.
 #if defined(SCRIM_COARSER_LIGHT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCRIM_COARSER_LIGHT_INL_H_
 #undef SCRIM_COARSER_LIGHT_INL_H_
@@ -25,8 +25,8 @@ namespace HWY_NAMESPACE {
 /// For one source of light after the other, and one thread.
 class CoarserLight {
   public:
-    /// `coarser`: the media of each coarser level, with their light wanted around the cells of `fine`, and slices along
-    /// the same axis.
+    /// `coarser`: the media of each coarser level, with their light wanted around the cells of
+    /// `fine`, and slices along the same axis.
     CoarserLight(const std::vector<CellSlices>& coarser, const CellSlices& fine) : m_fine(fine) {
         for (const CellSlices& slices : coarser)
             m_levels.push_back({slices, fine.edge() / slices.edge(), slices.place(fine.wsPlace(Vec3(0))), {}});

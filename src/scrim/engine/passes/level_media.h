@@ -34,8 +34,8 @@ class LevelMedia {
 
     /// A corner of one of the level's own cells.
     const Vec3& corner() const { return m_corner; }
-    /// The media of `casters`, volumes of the whole scene; the level's own cells are without its surfaces. `own`: the
-    /// level's own grid if it is known, else null.
+    /// The media of `casters`, volumes of the whole scene; the level's own cells are without its
+    /// surfaces. `own`: the level's own grid if it is known, else null.
     Holding of(const std::vector<bool>& casters, const CellGrid* own) const;
 
   private:

@@ -97,8 +97,8 @@ class ParallelRaster {
         for (const int row : m_box.crossedRows[std::size_t(slice(step))]) attenuate(step, row);
     }
 
-    /// Adds the light that arrives in the cells of row j of a slice. `left`: what media that the box does not have
-    /// leave of it, as from cell 0 on; null: all.
+    /// Adds the light that arrives in the cells of row j of a slice. `left`: what media that the
+    /// box does not have leave of it, as from cell 0 on; null: all.
     template <class Towards>
     HWY_ATTR void light(int step, int j, const CellView& view, const Towards& towards, const Real* left,
                         CellSlices& box) const {
@@ -148,8 +148,8 @@ class ParallelRaster {
         int whole;
         double fraction;
     };
-    // The rays that cross a slice between its rows j and j + 1: `to` is the one that does so at i = 0 or, by the
-    // fractions, beyond it.
+    // The rays that cross a slice between its rows j and j + 1: `to` is the one that does so at i =
+    // 0 or, by the fractions, beyond it.
     struct RayRow {
         int j, k;
         Real* to;
@@ -429,8 +429,8 @@ class PointRaster {
     // Distances from the source to the middle of a slice, and to the middle of its part that lies ahead of the source.
     double distance(int step) const { return (slice(step) + 0.5 - m_rays.from.z) * (m_down ? -1 : 1); }
     double middle(int step) const { return std::max(distance(step), 0.5 * (distance(step) + 0.5)); }
-    // Whether a cell at this place beside the source, along i (0) or j (1), lies in the face. Cells on an edge belong
-    // to the face whose axis comes first in the world.
+    // Whether a cell at this place beside the source, along i (0) or j (1), lies in the face. Cells
+    // on an edge belong to the face whose axis comes first in the world.
     bool inclusive(int a) const { return m_box.axes[2] < m_box.axes[std::size_t(a)]; }
     bool owns(int a, double beside, double z) const {
         const double most = m_face * z;

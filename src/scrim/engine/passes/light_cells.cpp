@@ -121,8 +121,8 @@ HWY_EXPORT(sweepCells);
 
 namespace {
 
-// Exactly at the centre of a cell, a point would belong to no face of the cube around it. `wsFront`: to where it is
-// moved from there, so that a surface does not hide it.
+// Exactly at the centre of a cell, a point would belong to no face of the cube around it.
+// `wsFront`: to where it is moved from there, so that a surface does not hide it.
 Vec3 placeOfPoint(const Vec3& ws, const Vec3& wsFront, const CellSlices& slices) {
     Vec3 shift = slices.edge() * Vec3(1e-4, 1.1e-4, 1.2e-4);
     for (int i = 0; i < 3; ++i) shift[i] = std::copysign(shift[i], wsFront[i]);
@@ -139,8 +139,8 @@ class Pass {
           m_checkpoint(checkpoint),
           m_beside(1.5 * std::max(voxelUnit(scene) / grid.edge(), 1.0)) {}
 
-    // `colour`: the only one that the slices' extinction is for; -1: all. What is shown of surfaces must be faced.
-    // `coarser`: see Passage.
+    // `colour`: the only one that the slices' extinction is for; -1: all. What is shown of surfaces
+    // must be faced. `coarser`: see Passage.
     void add(const LightJob& job, int colour, const std::vector<CellSlices>& coarser, CellSlices& slices) {
         const Sources& sources = job.sources;
         const Octave& octave = job.octave;
@@ -279,9 +279,9 @@ class Pass {
         }
         return out;
     }
-    // Cells on both sides of a surface, less than a voxel away, are looked up together. If it hides what is behind it,
-    // the eye sees but one side of it: where the light shines on that one, cells behind it are lit, too, and else those
-    // in front are dark.
+    // Cells on both sides of a surface, less than a voxel away, are looked up together. If it hides
+    // what is behind it, the eye sees but one side of it: where the light shines on that one, cells
+    // behind it are lit, too, and else those in front are dark.
     double darkFrom(const Vec3& ws, const Vec3& wsPerStep, bool parallel) const {
         constexpr double kInfinity = std::numeric_limits<double>::infinity();
         const SolidHit hit =
@@ -320,8 +320,8 @@ class Pass {
     std::vector<Waiting> m_waiting;
 };
 
-// Finds what holds back the light of each job: on the level's own cells without its surfaces' extinction, which is
-// added.
+// Finds what holds back the light of each job: on the level's own cells without its surfaces'
+// extinction, which is added.
 void findMedia(const LevelScene& level, const LevelMedia& media, const LitSurfaces& surfaces,
                std::vector<LightJob>& jobs, std::vector<Holding>& held) {
     for (LightJob& job : jobs) {
@@ -335,8 +335,8 @@ void findMedia(const LevelScene& level, const LevelMedia& media, const LitSurfac
     }
 }
 
-// Of the grid's stored blocks, those that the eye sees something of, through surfaces alone. Light need not be known
-// where less than kUnseen of it would come through.
+// Of the grid's stored blocks, those that the eye sees something of, through surfaces alone. Light
+// need not be known where less than kUnseen of it would come through.
 std::vector<bool> blocksSeen(const ViewScene& scene, const CellGrid& grid, const LitSurfaces& surfaces, int reach,
                              Simd simd, const std::function<void()>& checkpoint) {
     constexpr double kUnseen = 1e-4;
@@ -428,8 +428,8 @@ std::vector<CellLight> octavesOnCells(const LevelScene& level, const std::vector
                                       const OctaveCells& octaves, double edge, Simd simd,
                                       const std::function<void()>& checkpoint, CellLightWork& work) {
     const ViewScene &scene = level.all, &own = level.own, &holding = level.holding;
-    // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them. Cells of
-    // surfaces know where these begin; only texels blur that.
+    // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into
+    // them. Cells of surfaces know where these begin; only texels blur that.
     const std::vector<bool> filled = mediaAmong(holding, withVoxels(holding));
     const bool alone = std::ranges::find(filled, true) == filled.end();
     const double sheets = 0.75 * scene.dials.sheetThickness, kernels = kernelRadius(own), unit = voxelUnit(own);

@@ -16,8 +16,8 @@
 namespace scrim {
 namespace {
 
-// Lights share a field unless layers, or the volumes and solids that cast shadows in them, tell them apart. Lamps share
-// one with each other, and have small ones of their own.
+// Lights share a field unless layers, or the volumes and solids that cast shadows in them, tell
+// them apart. Lamps share one with each other, and have small ones of their own.
 std::vector<std::vector<int>> groupsOf(const LevelScene& level, const std::vector<int>& lights) {
     const ViewScene& scene = level.all;
     std::vector<int> lamps, others;
@@ -137,8 +137,8 @@ class Jobs {
         for (const auto& area : areas)
             if (area) shown.areas.push_back(area);
     }
-    // For each light of the jobs, which are those of octaves of the same sources, a field of what is close to it, if
-    // AreaShine serves it, and sub-lights are elements of it.
+    // For each light of the jobs, which are those of octaves of the same sources, a field of what
+    // is close to it, if AreaShine serves it, and sub-lights are elements of it.
     std::vector<std::shared_ptr<AreaField>> areasOf(std::span<const LightJob> jobs) const {
         const Sources& sources = jobs.front().sources;
         std::vector<std::shared_ptr<AreaField>> areas(sources.ofScene.size());

@@ -26,8 +26,8 @@ struct OctaveCells {
     bool have(const Octave& octave) const { return octave.extinction > above && octave.extinction <= upTo; }
 };
 
-/// All sizes that a level's octaves have for these lights, smallest first; `edge`: that of the first octave, world
-/// units. Solids and surfaces, whose shadows have edges, leave one for all.
+/// All sizes that a level's octaves have for these lights, smallest first; `edge`: that of the
+/// first octave, world units. Solids and surfaces, whose shadows have edges, leave one for all.
 std::vector<OctaveCells> octaveCells(const LevelScene& level, const std::vector<int>& lights, double edge);
 
 /// What one class of volumes shows of some lights by one octave: a field, and the passes that fill it.

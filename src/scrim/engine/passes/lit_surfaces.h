@@ -22,8 +22,8 @@ class LitSurfaces {
     const std::shared_ptr<const CellGrid>& grid(std::size_t volume) const { return m_grids[volume]; }
     /// Lets slices know which way the surfaces of a volume with such cells face.
     void face(int volume, CellSlices& slices) const;
-    /// Makes these cells, in blocks from `wsCorner`, for those of the `volumes` that are surfaces: in the blocks of the
-    /// scene's grid that are `seen`, and up to `margin` world units beyond.
+    /// Makes these cells, in blocks from `wsCorner`, for those of the `volumes` that are surfaces:
+    /// in the blocks of the scene's grid that are `seen`, and up to `margin` world units beyond.
     void show(const std::vector<bool>& seen, const std::vector<bool>& volumes, const Vec3& wsCorner, double margin);
     /// The grids that are not null.
     std::vector<const CellGrid*> grids() const;

@@ -16,8 +16,8 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-/// The mean extinction between values of the field, a where rays crossed the slice before and b where they cross this
-/// one. Below 0, a is not known, and counts as b.
+/// The mean extinction between values of the field, a where rays crossed the slice before and b
+/// where they cross this one. Below 0, a is not known, and counts as b.
 HWY_ATTR HWY_INLINE V8 meanBetween(const ExtinctionIntegral& of, V8 a, V8 b) {
     const D8 d;
     const hn::RebindToSigned<D8> di;

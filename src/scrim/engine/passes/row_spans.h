@@ -22,14 +22,14 @@ struct CellSpan {
     }
 };
 
-/// For each row its spans, in ascending order. Those less than kApart cells apart are one, so that vectors may write
-/// kRowSlack cells behind each without reaching the next.
+/// For each row its spans, in ascending order. Those less than kApart cells apart are one, so that
+/// vectors may write kRowSlack cells behind each without reaching the next.
 class RowSpans {
   public:
     static constexpr int kApart = 2 * kRowSlack;
 
-    /// Makes `rows` rows: spansOf(row, spans) appends to `spans`, in any order; those that are empty do not count. It
-    /// is called in parallel.
+    /// Makes `rows` rows: spansOf(row, spans) appends to `spans`, in any order; those that are
+    /// empty do not count. It is called in parallel.
     static RowSpans of(std::size_t rows, const std::function<void(std::size_t, std::vector<CellSpan>&)>& spansOf);
 
     std::span<const CellSpan> row(std::size_t row) const {

@@ -38,8 +38,8 @@ class Sharpened {
     bool m_steep;
 };
 
-/// Sharpens the light of a source at `wsSource`, which has come to each cell through the slices along one of three
-/// axes.
+/// Sharpens the light of a source at `wsSource`, which has come to each cell through the slices
+/// along one of three axes.
 void sharpenAround(const Vec3& wsSource, bool steep, CellField& light);
 
 }  // namespace scrim

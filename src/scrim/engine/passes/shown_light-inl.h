@@ -88,8 +88,8 @@ class TowardsEye {
     Lobe m_lobe, m_other;
 };
 
-/// What surfaces reflect towards the eye of light that arrives in the cells of one row: the two parts of phong() in
-/// classified.h, of which the second one is only asked for with kMirrors.
+/// What surfaces reflect towards the eye of light that arrives in the cells of one row: the two
+/// parts of phong() in classified.h, of which the second one is only asked for with kMirrors.
 template <bool mirrors>
 class Reflected {
   public:

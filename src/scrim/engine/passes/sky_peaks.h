@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light of a sky in the peaks of a phase function that were cut off for its directions. It comes from where the eye
-// looks, or from behind it, and rays find it in the sky.
+// The light of a sky in the peaks of a phase function that were cut off for its directions. It
+// comes from where the eye looks, or from behind it, and rays find it in the sky.
 #pragma once
 
 #include <scrim/engine/cells/cell_field.h>

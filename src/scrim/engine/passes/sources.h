@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What passes through the cells: lights as sources of rays, and the phase functions by which volumes send their light
-// towards the eye.
+// What passes through the cells: lights as sources of rays, and the phase functions by which
+// volumes send their light towards the eye.
 #pragma once
 
 #include <scrim/scene/phase_over_caps.h>
@@ -26,8 +26,8 @@ struct Sources {
     bool blocked = false;     ///< by solids
 };
 
-/// A lamp's cells keep its transmittance: its `count` points stand alone, each shines 4 pi over their number, and all
-/// that arrives is scattered to all sides alike.
+/// A lamp's cells keep its transmittance: its `count` points stand alone, each shines 4 pi over
+/// their number, and all that arrives is scattered to all sides alike.
 Sources sourcesOfLamp(const Light& light, int count);
 
 /// These lights of the scene, which the same volumes and solids hold back; either others or one lamp (isLampOnCells).
@@ -37,9 +37,9 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights);
 /// radius r send (1 + r^2 / 4 d^2) times the light of its middle to a place at distance d, as the sphere does.
 Sources sourcesForSurfaces(const ViewScene& scene, const std::vector<int>& lights);
 
-/// What stands for a phase function where the sub-lights of a light are wider than its lobes. A sky is smooth: a few
-/// rays see what a peak shows of it (addPeaks). A surface has edges, which the peak blurs, and so do means over what
-/// its points stand for.
+/// What stands for a phase function where the sub-lights of a light are wider than its lobes. A sky
+/// is smooth: a few rays see what a peak shows of it (addPeaks). A surface has edges, which the
+/// peak blurs, and so do means over what its points stand for.
 struct WidePhase {
     std::optional<CutPhase> ofSky;                     ///< without its peaks
     PhaseRow ofSun{};                                  ///< the mean over what one of a sun's directions stands for

@@ -66,8 +66,8 @@ ViewFrustum::ViewFrustum(const Camera& camera, const PixelWindow& window) {
         if (plane.side(inside) < 0) plane = {-plane.normal, -plane.offset};
         m_planes.push_back(plane);
     };
-    // Each side contains an edge of the raster at two depths; both are in front of the eye, where rays of a perspective
-    // view meet.
+    // Each side contains an edge of the raster at two depths; both are in front of the eye, where
+    // rays of a perspective view meet.
     for (int i = 0; i < 2; ++i) {
         add(pointOn(i, 0, rays.near + 1), pointOn(i, 1, rays.near + 1), pointOn(i, 0, rays.near + 2));
         add(pointOn(0, i, rays.near + 1), pointOn(1, i, rays.near + 1), pointOn(0, i, rays.near + 2));

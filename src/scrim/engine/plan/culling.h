@@ -17,9 +17,9 @@
 
 namespace scrim {
 
-/// Points whose convex hull is the part that the pixels of `window`, and half a pixel around them, show of a
-/// parallelepiped, which is given by its corners in the order of Bounds::corners(). Of several, eight corners each, all
-/// such points. Empty if nothing is visible.
+/// Points whose convex hull is the part that the pixels of `window`, and half a pixel around them,
+/// show of a parallelepiped, which is given by its corners in the order of Bounds::corners(). Of
+/// several, eight corners each, all such points. Empty if nothing is visible.
 std::vector<Vec3> visibleParts(const Camera& camera, const PixelWindow& window, const std::vector<Vec3>& wsCorners);
 
 /// For each of `lights` the reason why it is culled because it contributes nothing; empty if it may contribute.
@@ -27,14 +27,14 @@ std::vector<std::string> culledLights(const ViewScene& scene, const SubLights& l
 
 /// A volume that may not be loaded yet.
 struct VolumeBox {
-    /// Eight corners for each field, in the order of Bounds::corners(). An empty vector: the volume is empty; no
-    /// vector: its place is unknown.
+    /// Eight corners for each field, in the order of Bounds::corners(). An empty vector: the volume
+    /// is empty; no vector: its place is unknown.
     std::optional<std::vector<Vec3>> wsCorners;
     std::vector<bool> lights, shadows;  ///< as in ViewVolume
 };
 
-/// For each volume the reason why it is culled: it is out of view, and casts no shadow on anything in view. Empty if it
-/// is not culled.
+/// For each volume the reason why it is culled: it is out of view, and casts no shadow on anything
+/// in view. Empty if it is not culled.
 std::vector<std::string> culledVolumes(const Camera& camera, const PixelWindow& picture,
                                        const std::vector<Light>& lights, const std::vector<VolumeBox>& volumes);
 

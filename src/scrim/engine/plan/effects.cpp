@@ -39,8 +39,8 @@ class Finder {
         return fmt::format("{}{}", fmt::join(m_texts.begin(), end, ", "), more);
     }
 
-    /// The effect is on if anything was found, with the reason "`before` a, b"; otherwise off with the reason
-    /// `otherwise`.
+    /// The effect is on if anything was found, with the reason "`before` a, b"; otherwise off with
+    /// the reason `otherwise`.
     Effect effect(const std::string& name, const std::string& before, const std::string& otherwise) const {
         if (!any()) return {name, false, otherwise, {}};
         return {name, true, before + texts(), m_where};

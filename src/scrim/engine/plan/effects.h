@@ -23,8 +23,8 @@ struct Effect {
 
 std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan);
 
-/// The lights whose shadow rasters are coarser than the dial `shadow_texel` says, because these have a largest size:
-/// "'sun' 1.6 times, 'key' 2 times"; empty: none.
+/// The lights whose shadow rasters are coarser than the dial `shadow_texel` says, because these
+/// have a largest size: "'sun' 1.6 times, 'key' 2 times"; empty: none.
 std::string coarserRasters(const ViewScene& scene, const Plan& plan);
 
 }  // namespace scrim

@@ -15,9 +15,9 @@
 namespace scrim {
 namespace {
 
-// Seconds on one thread of the solves of scattered light: a cell of Disney's cloud at a sixteenth took 10 ns for each
-// direction and sweep, with 64 to 256 directions and cells of 1.4 to 6 voxels; solves took 12 to 22 sweeps, all but the
-// last along half of the directions.
+// Seconds on one thread of the solves of scattered light: a cell of Disney's cloud at a sixteenth
+// took 10 ns for each direction and sweep, with 64 to 256 directions and cells of 1.4 to 6 voxels;
+// solves took 12 to 22 sweeps, all but the last along half of the directions.
 double scatterSeconds(const TransportPlan& plan) {
     constexpr double kCellDirection = 1e-8, kSweeps = 10;
     return plan.any() ? plan.cells * plan.ordinates * kSweeps * kCellDirection : 0;

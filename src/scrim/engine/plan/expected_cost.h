@@ -19,9 +19,9 @@ int renderCount(const ViewScene& scene);
 /// A rough time of the passes of lights on cells, seconds on one thread.
 double cellLightSeconds(const ViewScene& scene, const CellLightPlan& plan);
 
-/// A rough time of the whole picture, seconds: expectedSeconds with the solves of scattered light and the passes of
-/// lights on cells, for all renders that the picture averages. Right within a factor of three on a machine like the one
-/// that it was fitted on.
+/// A rough time of the whole picture, seconds: expectedSeconds with the solves of scattered light
+/// and the passes of lights on cells, for all renders that the picture averages. Right within a
+/// factor of three on a machine like the one that it was fitted on.
 double roughPictureSeconds(const ViewScene& scene, const Plan& plan, int threads);
 
 /// "the picture is expected to take about 25 minutes and 6.1 GB; ..." where that is more than anybody wants to wait for

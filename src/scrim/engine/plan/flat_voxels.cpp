@@ -13,8 +13,8 @@
 namespace scrim {
 namespace {
 
-// Voxels are flat if their second edge is so many times as long as their shortest one. Others keep the axis between
-// eye and lights, which changes smoothly from frame to frame.
+// Voxels are flat if their second edge is so many times as long as their shortest one. Others keep
+// the axis between eye and lights, which changes smoothly from frame to frame.
 constexpr double kFlat = 2;
 // An axis across flat voxels is taken if the sweep has so many times fewer texels.
 constexpr double kWorthwhile = 2;
@@ -22,8 +22,8 @@ constexpr double kWorthwhile = 2;
 // time that they cross its short one, or 75 degrees; and no farther than 84 degrees.
 constexpr double kLeastCosine = 0.2588, kLeastOfAll = 0.1045;
 
-// The gradients of a field's three coordinates: each is perpendicular to two axes of the grid, and its length is the
-// inverse of the distance between planes of voxels.
+// The gradients of a field's three coordinates: each is perpendicular to two axes of the grid, and
+// its length is the inverse of the distance between planes of voxels.
 Mat3 gradientsOf(const ViewField& field) {
     return glm::transpose(glm::inverse(Mat3(field.wsFromIs)));
 }

@@ -11,9 +11,9 @@
 
 namespace scrim {
 
-/// The edge, in world units, which texels of sheets perpendicular to `wsAxis` (unit) must resolve for a level's
-/// volumes: the smallest distance, within a sheet, between neighbouring voxels' borders. It is level.voxel unless it is
-/// much larger.
+/// The edge, in world units, which texels of sheets perpendicular to `wsAxis` (unit) must resolve
+/// for a level's volumes: the smallest distance, within a sheet, between neighbouring voxels'
+/// borders. It is level.voxel unless it is much larger.
 double edgeAcross(const ViewScene& scene, const VolumeLevel& level, const Vec3& wsAxis);
 
 /// Sheets along flat voxels, as a sweep has them.

@@ -27,8 +27,8 @@ std::vector<VolumeLevel> oneLevel(const ViewScene& scene) {
 
 std::vector<VolumeLevel> volumeLevels(const ViewScene& scene) {
     constexpr int kOctaves = 1;  // of voxels that share sheets
-    // Pixels that walk the sheets of one level instead of a sheet of the one before walk at most so many. Levels
-    // without volumes come between others where there would be more.
+    // Pixels that walk the sheets of one level instead of a sheet of the one before walk at most so
+    // many. Levels without volumes come between others where there would be more.
     constexpr double kMostStep = 8;
     const double finest = voxelUnit(scene);
     if (scene.dials.splat == SplatMode::perView) return oneLevel(scene);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which volumes share sheets. One lattice for all would have the smallest voxels' sheets and texels over the box around
-// everything; so volumes of much larger voxels get coarser sheets of their own, and a picture costs about the sum of
-// its volumes.
+// Which volumes share sheets. One lattice for all would have the smallest voxels' sheets and texels
+// over the box around everything; so volumes of much larger voxels get coarser sheets of their own,
+// and a picture costs about the sum of its volumes.
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -18,8 +18,8 @@ struct VolumeLevel {
     std::vector<bool> around;   ///< volumes that its texels lie around
 };
 
-/// The levels of a scene, coarsest first. A scene of like voxels has one, and so has one with what several levels do
-/// not serve.
+/// The levels of a scene, coarsest first. A scene of like voxels has one, and so has one with what
+/// several levels do not serve.
 std::vector<VolumeLevel> volumeLevels(const ViewScene& scene);
 /// One level with all volumes.
 std::vector<VolumeLevel> oneLevel(const ViewScene& scene);

@@ -53,8 +53,8 @@ const std::vector<Vec3>& windowAxes() {
     return axes;
 }
 
-// Divides a light's directions into the windows that meet the volume's cone (all windows, for a light inside) and the
-// light's own beam.
+// Divides a light's directions into the windows that meet the volume's cone (all windows, for a
+// light inside) and the light's own beam.
 void addWindows(PlanLight index, const Light& light, const Beam& beam, const Cone& cone,
                 std::vector<PlannedLight>& parts) {
     const std::vector<Vec3>& axes = windowAxes();
@@ -83,8 +83,8 @@ void addParts(PlanLight index, const Light& light, const std::vector<Vec3>& corn
     const Cone cone = coneToCorners(light.wsPosition, corners, directions);
     const Beam beam = beamOf(light);
     const double volumeAngle = angleOf(cone.cosAngle);
-    // A slide that misses the volume needs no work, and a slide that is narrower than the volume leaves most of it
-    // alone.
+    // A slide that misses the volume needs no work, and a slide that is narrower than the volume
+    // leaves most of it alone.
     if (passesBy(light, beam, cone)) return;
     if (light.slide && beam.angle < std::min(volumeAngle, kWidestView)) {
         parts.push_back({index, beam.directions, {}, 0});
@@ -248,8 +248,8 @@ std::size_t groupFor(const Item& item, const std::vector<OpenGroup>& groups, dou
             best = g;
         }
     }
-    // A group with a larger slant takes a part that does not increase its slant, such as a window that other lights
-    // have, too.
+    // A group with a larger slant takes a part that does not increase its slant, such as a window
+    // that other lights have, too.
     for (std::size_t g = 0; g < groups.size() && best == groups.size(); ++g)
         if (mayJoin(groups[g]) && groups[g].cone.holds(item.corners)) best = g;
     return best;
@@ -329,8 +329,8 @@ Cone coneToCorners(const Vec3& wsPoint, const std::vector<Vec3>& corners, std::v
 
 namespace {
 
-// Directions around a cone between which no ray of it passes. Between those of rimOfCone, rasters that are laid over
-// them would lose up to 1.9 % of the cone's radius.
+// Directions around a cone between which no ray of it passes. Between those of rimOfCone, rasters
+// that are laid over them would lose up to 1.9 % of the cone's radius.
 std::vector<Vec3> aroundCone(const Vec3& axis, double angle) {
     const double touching = std::cos(std::numbers::pi / kPointsOfRim);
     return rimOfCone(axis, std::atan2(std::sin(angle), std::cos(angle) * touching));

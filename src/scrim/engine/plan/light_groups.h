@@ -31,9 +31,9 @@ std::vector<GroupPlan> groupLights(
     const ViewScene& scene, const SubLights& lights, const std::vector<Vec3>& wsCorners, const EyePart& eye,
     const std::vector<std::string>& culled = {}, const Checkpoint& checkpoint = [] {});
 
-/// Directions whose cone around light.wsDirection contains all of a light's rays, and half that cone's angle in
-/// radians. For a light that shines all around there are no directions, and the angle is 180 degrees. Not for distant
-/// lights.
+/// Directions whose cone around light.wsDirection contains all of a light's rays, and half that
+/// cone's angle in radians. For a light that shines all around there are no directions, and the
+/// angle is 180 degrees. Not for distant lights.
 struct Beam {
     std::vector<Vec3> directions;
     double angle = 0;
@@ -43,15 +43,15 @@ Beam beamOf(const Light& light);
 /// Directions around the rim of a cone of half angle `angle` (radians), whose enclosing cone is that cone.
 std::vector<Vec3> rimOfCone(const Vec3& axis, double angle);
 
-/// The cone of directions from a point to the corners; these directions are added to `directions`. The cone is wider
-/// than 90 degrees (cosAngle <= 0) if the point lies among the corners.
+/// The cone of directions from a point to the corners; these directions are added to `directions`.
+/// The cone is wider than 90 degrees (cosAngle <= 0) if the point lies among the corners.
 Cone coneToCorners(const Vec3& wsPoint, const std::vector<Vec3>& corners, std::vector<Vec3>& directions);
 
 /// True if the beam misses everything in `cone`, as seen from the light.
 bool passesBy(const Light& light, const Beam& beam, const Cone& cone);
 
-/// A camera that sees all volumes along the most important light, so that sheets are perpendicular to it: for light
-/// that no picture shows.
+/// A camera that sees all volumes along the most important light, so that sheets are perpendicular
+/// to it: for light that no picture shows.
 Camera cameraAlongLight(const ViewScene& scene);
 
 }  // namespace scrim

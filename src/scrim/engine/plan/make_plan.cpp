@@ -92,9 +92,9 @@ double pixelCount(const Camera& camera) {
     return double(camera.resolution.x) * camera.resolution.y;
 }
 
-// What the sheets of a level hold: the voxels of its volumes, the part that the boxes of these fill of the box around
-// them, or of all sheets where these reach over the volumes of other levels, too, and the pairs of pixels and sheets
-// that see them.
+// What the sheets of a level hold: the voxels of its volumes, the part that the boxes of these fill
+// of the box around them, or of all sheets where these reach over the volumes of other levels, too,
+// and the pairs of pixels and sheets that see them.
 struct Held {
     double voxels = 0, filled = 0, pixelSheets = 0;
 
@@ -207,8 +207,8 @@ void planSheets(const ViewScene& scene, const std::vector<Vec3>& own, const Plan
     g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
 }
 
-// A level's sheets are walked within those of the level before, which must hold them, also where its own volumes are
-// out of view, and their texels too.
+// A level's sheets are walked within those of the level before, which must hold them, also where
+// its own volumes are out of view, and their texels too.
 void holdFiner(GroupPlan& group) {
     for (std::size_t i = group.finer.size(); i-- > 0;) {
         const GroupPlan& finer = group.finer[i];
@@ -303,10 +303,10 @@ std::string fineSlide(const ViewScene& scene, const std::vector<Light>& lights, 
     return {};
 }
 
-// Optical depth of a sheet from which on media are shaded at pixels. A texel shows 1 - e^-tau, which is increasingly
-// non-linear as tau grows, and so is the interpolation between two texels. (Smoke with these optical depths per voxel
-// had these errors at texels and at pixels: 0.23: 0.5, 0.4 %; 0.46: 1.0, 0.7 %; 0.9: 1.9, 0.9 %; 2.3: 3.1, 1.8 %; 9:
-// 8.2, 4.6 %, for a fifth more time.)
+// Optical depth of a sheet from which on media are shaded at pixels. A texel shows 1 - e^-tau,
+// which is increasingly non-linear as tau grows, and so is the interpolation between two texels.
+// (Smoke with these optical depths per voxel had these errors at texels and at pixels: 0.23: 0.5,
+// 0.4 %; 0.46: 1.0, 0.7 %; 0.9: 1.9, 0.9 %; 2.3: 3.1, 1.8 %; 9: 8.2, 4.6 %, for a fifth more time.)
 constexpr double kDenseSheet = 0.4;
 
 // The reason why a dense medium needs shading at pixels; empty if no medium is that dense.
@@ -406,8 +406,8 @@ std::vector<std::string> reasonsByOwner(const SubLights& lights, const std::vect
     return byOwner;
 }
 
-// For each volume the means of its phase function over what the sub-lights in its sweeps stand for, where some of them
-// are wider than its lobes. Volumes of one phase function share them.
+// For each volume the means of its phase function over what the sub-lights in its sweeps stand for,
+// where some of them are wider than its lobes. Volumes of one phase function share them.
 std::vector<std::shared_ptr<const PhaseOverCaps>> capsOf(const ViewScene& scene, const SubLights& lights,
                                                          const std::vector<std::string>& culled) {
     std::vector<std::shared_ptr<const PhaseOverCaps>> caps(scene.volumes.size());
@@ -444,8 +444,8 @@ std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
                sizeof(float);
 }
 
-// Shadow buffers need no channels for lights on cells, whichever volumes cast shadows in them. The suns of a sky on
-// cells have buffers.
+// Shadow buffers need no channels for lights on cells, whichever volumes cast shadows in them. The
+// suns of a sky on cells have buffers.
 ExtinctionChannels channelsOf(ViewScene scene, const CellLightPlan& cells) {
     for (ViewVolume& volume : scene.volumes) {
         for (std::size_t i = 0; i < volume.shadows.size(); ++i)
@@ -517,9 +517,9 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress,
 }
 
 double expectedSeconds(const ViewScene& scene, const Plan& plan, int threads) {
-    // Seconds on one thread, fitted to a study of smoke (scrim study, noise:350). A footprint extends about three
-    // voxels beyond its slab in u and v, so its number of texels is the square of that. About a third of sheets and
-    // pictures is not empty.
+    // Seconds on one thread, fitted to a study of smoke (scrim study, noise:350). A footprint
+    // extends about three voxels beyond its slab in u and v, so its number of texels is the square
+    // of that. About a third of sheets and pictures is not empty.
     constexpr double kFootprint = 2.0e-8, kFootprintTexel = 1.2e-9, kReach = 4;
     constexpr double kTexel = 2e-9, kLightSample = 1e-9, kPixelSheet = 1.5e-9, kStart = 5e-3;
     const double across = kReach / scene.dials.texel;

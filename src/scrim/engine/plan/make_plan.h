@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the plan: everything that is decided before the first voxel is read. It depends only on the scene, so that
-// `scrim plan` shows exactly what a render will do.
+// Makes the plan: everything that is decided before the first voxel is read. It depends only on the
+// scene, so that `scrim plan` shows exactly what a render will do.
 #pragma once
 
 #include <scrim/engine/model/plan.h>
@@ -15,9 +15,9 @@ namespace scrim {
 /// `oneLattice`: all volumes share sheets, however unlike their voxels are (volumeLevels).
 Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress = {}, bool oneLattice = false);
 
-/// Estimates how many seconds a render will take, from its plan alone. The estimate is meant for choosing between
-/// settings of one scene, by the ratio of their times. The seconds themselves are only right on a machine like the one
-/// that the estimate was fitted on.
+/// Estimates how many seconds a render will take, from its plan alone. The estimate is meant for
+/// choosing between settings of one scene, by the ratio of their times. The seconds themselves are
+/// only right on a machine like the one that the estimate was fitted on.
 double expectedSeconds(const ViewScene& scene, const Plan& plan, int threads);
 
 }  // namespace scrim

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a plan: as a table for people (`scrim plan`), and as JSON for programs and for the metadata of pictures. It
-// is separate from plan.h because the JSON library is slow to compile.
+// Describes a plan: as a table for people (`scrim plan`), and as JSON for programs and for the
+// metadata of pictures. It is separate from plan.h because the JSON library is slow to compile.
 #pragma once
 
 #include <scrim/engine/plan/make_plan.h>

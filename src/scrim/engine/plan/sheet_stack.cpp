@@ -62,12 +62,12 @@ struct Cuts {
     Vec2 ramp(std::size_t edge) const { return {edges[edge] - overlap[edge], edges[edge] + overlap[edge]}; }
 };
 
-// The most sheets in a sweep, or texels along a side. A transform that squeezes one axis to a millionth would need
-// millions of sheets, or more than an int holds.
+// The most sheets in a sweep, or texels along a side. A transform that squeezes one axis to a
+// millionth would need millions of sheets, or more than an int holds.
 constexpr int kMostAddressed = 1 << 20;
 
-// Rays may cross image-aligned sheets at any slant (ZC02 Fig. 17); beyond this one, in radians, thinner sheets no
-// longer help.
+// Rays may cross image-aligned sheets at any slant (ZC02 Fig. 17); beyond this one, in radians,
+// thinner sheets no longer help.
 constexpr double kSteepestSlant = 1.0472;  // 60 degrees
 
 // `count`, rounded up. `what` names the counted things in the error.
@@ -143,8 +143,8 @@ Sheets narrowed(Sheets sheets, const std::vector<Vec3>& corners) {
     sheets.ssOrigin = Vec3(0, 0, sheets.ssOrigin.z);
     Bounds ts;
     for (const Vec3& corner : corners) ts.include(sheets.tsPoint(corner));
-    // There is a margin of two texels of zeros, so that bilinear look-ups outside of the raster find nothing, and
-    // behind it room for the rounded-up rows of footprints.
+    // There is a margin of two texels of zeros, so that bilinear look-ups outside of the raster
+    // find nothing, and behind it room for the rounded-up rows of footprints.
     const double left = std::floor(ts.lower.x) - 2, top = std::floor(ts.lower.y) - 2;
     sheets.ssOrigin = Vec3(left * sheets.texel, top * sheets.texel, sheets.ssOrigin.z);
     sheets.width = roundUpToTile(addressable(ts.upper.x - left + 8, "texels along the side of a sheet"));

@@ -11,8 +11,8 @@
 
 namespace scrim {
 
-/// The parts of a scene's eye: one, unless its rays to the volume open wider than 45 degrees from their middle. They do
-/// not depend on a crop, whose pixels must equal those of the whole picture.
+/// The parts of a scene's eye: one, unless its rays to the volume open wider than 45 degrees from
+/// their middle. They do not depend on a crop, whose pixels must equal those of the whole picture.
 std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& wsCorners);
 
 /// Edges of voxels, in world units: the units of the dials `sheet_thickness` and `texel`.

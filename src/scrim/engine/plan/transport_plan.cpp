@@ -89,9 +89,9 @@ bool wallsSendBack(const ViewScene& scene) {
     return scene.solids && scene.solids->anySendsBack();
 }
 
-// The number of ordinates, by the narrowest phase function. The largest differences to 1,024 ordinates, of a cloud lit
-// from the eye's side, from aside and from behind: for g = 0.75, 1.6, 1.2 and 0.9 % with 64, 128 and 256 ordinates; for
-// g = 0.9, 8.9, 4.1 and 2.3 %.
+// The number of ordinates, by the narrowest phase function. The largest differences to 1,024
+// ordinates, of a cloud lit from the eye's side, from aside and from behind: for g = 0.75, 1.6, 1.2
+// and 0.9 % with 64, 128 and 256 ordinates; for g = 0.9, 8.9, 4.1 and 2.3 %.
 int ordinatesFor(const ViewScene& scene) {
     double narrowest = 0;
     for (const ViewVolume& v : scene.volumes) {
@@ -99,8 +99,8 @@ int ordinatesFor(const ViewScene& scene) {
         narrowest = std::max(narrowest, std::abs(v.medium.phase.g));
         if (v.medium.phase.type == PhaseType::twoLobe) narrowest = std::max(narrowest, std::abs(v.medium.phase.g2));
     }
-    // A spot of light on a wall is small. In a room of haze with a window, and walls of albedo 0.8, the error is 1.8 %
-    // with 64 and 0.7 % with 128 or 256; with black walls 0.4 and 0.2 %.
+    // A spot of light on a wall is small. In a room of haze with a window, and walls of albedo 0.8,
+    // the error is 1.8 % with 64 and 0.7 % with 128 or 256; with black walls 0.4 and 0.2 %.
     return narrowest <= 0.7 && !wallsSendBack(scene) ? 64 : narrowest <= 0.8 ? 128 : 256;
 }
 
@@ -114,8 +114,8 @@ std::vector<bool> lightsInView(const ViewScene& scene) {
     return seen;
 }
 
-// The number of sets of volumes and solids that cast shadows in these lights; with `media`, of those that cells need
-// media for: all volumes, and each set of them that holds light back.
+// The number of sets of volumes and solids that cast shadows in these lights; with `media`, of
+// those that cells need media for: all volumes, and each set of them that holds light back.
 std::size_t castingSets(const ViewScene& scene, const std::vector<int>& lights, bool media) {
     std::set<std::pair<std::vector<bool>, bool>> sets;
     for (const int i : lights)
@@ -271,8 +271,8 @@ void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, const
 
 namespace {
 
-// Gives cells the edges that dials state, and all lights the same. Haze around smoke that may have larger cells may
-// have had the largest that it should have.
+// Gives cells the edges that dials state, and all lights the same. Haze around smoke that may have
+// larger cells may have had the largest that it should have.
 void setByDials(const ViewScene& scene, CellLightPlan& plan) {
     const Dials& dials = scene.dials;
     const CellLevel& finest = plan.levels[finestLevel(plan)];
@@ -288,8 +288,8 @@ double cellBytes(const ViewScene& scene, const CellLightPlan& plan, const CellLe
     const double least = level.smallest();
     const Vec3 cells = wsBounds(scene).size() / least + 2.0 * kCellEdge;
     const double colours = oneColour(scene) ? 1 : 3;
-    // Lights share fields unless layers, or what casts shadows in them, part them; lamps also have fields of their own,
-    // and where solids block them another one.
+    // Lights share fields unless layers, or what casts shadows in them, part them; lamps also have
+    // fields of their own, and where solids block them another one.
     const double stored = 2 * occupied(scene, 0.5 * least) / (least * least * least);
     int octaves = 1;
     for (const ViewVolume& volume : scene.volumes) octaves = std::max(octaves, volume.medium.octaves.count);

@@ -34,8 +34,8 @@ Vec3 meanOf(const std::vector<Vec3>& directions) {
     return glm::normalize(sum);
 }
 
-// The lattice with cells of size `cell` around the extent, from the rows x, y and w, whose units `cell` and the extent
-// have.
+// The lattice with cells of size `cell` around the extent, from the rows x, y and w, whose units
+// `cell` and the extent have.
 Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, const glm::dvec4& y,
                   const glm::dvec4& w, double& coarser) {
     coarser = coarserFor(extent, cell);
@@ -54,8 +54,8 @@ Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, 
     return raster;
 }
 
-// The normal, in sweep space, of the planes in which a light's own sheets lie: along the light or along the viewing
-// axis, as the dial says.
+// The normal, in sweep space, of the planes in which a light's own sheets lie: along the light or
+// along the viewing axis, as the dial says.
 Vec3 planeNormal(const ViewScene& scene, const Light& light, const Sheets& sheets, const Vec3& along) {
     if (scene.dials.shadowPlane != ShadowPlane::image) return along;
     Vec3 normal = sheets.ssFromWs * viewingAxis(scene.camera);

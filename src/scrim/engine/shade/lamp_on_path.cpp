@@ -171,8 +171,8 @@ int LampOnPath::piecesOf(const Ray& ray, double width, double lobe) const {
     return flat ? std::max(pieces, kWithin) : pieces;
 }
 
-// Calls visit(t, place, light) for some angles of a path that is lit; the sum of `light` is the integral, per angle, of
-// what the light sends and the eye sees.
+// Calls visit(t, place, light) for some angles of a path that is lit; the sum of `light` is the
+// integral, per angle, of what the light sends and the eye sees.
 template <class Visit>
 void LampOnPath::forPoints(const Ray& ray, const Passage& passage, double lobe, const Visit& visit) const {
     // Light that comes more aslant has come through more of the sheets before.
@@ -215,8 +215,8 @@ LampOnPath::Mean LampOnPath::over(const SampleTile& samples, int k, const Passag
     const double a = (ray.at.x + place * path.eyeA) / z, b = (ray.at.y + place * path.eyeB) / z;
     const double way = clear.attenuated ? std::sqrt(1 + a * a + b * b) : 0;
     // The path is nearest dt / cos(t)^2 long, and 1/r^2 is cos(t)^2 / nearest^2.
-    // What is behind the light gets none: as much of whole sheets as its intensity says, but more or less of the part
-    // that an eye within the sheet sees.
+    // What is behind the light gets none: as much of whole sheets as its intensity says, but more
+    // or less of the part that an eye within the sheet sees.
     const double mean = sum / (ray.nearest * 2 * path.half * m_inFront * ray.slant);
     // That part is shown as its share of the opacity of a whole sheet, on which light is even.
     const double whole = clear.extinction * m_thickness * ray.slant, part = 2 * path.half / m_thickness;

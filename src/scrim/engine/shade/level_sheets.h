@@ -38,8 +38,8 @@ struct LevelMap {
     Box2<double> box(const Box2<double>& b) const { return {u(b.x0), v(b.y0), u(b.x1), v(b.y1)}; }
 };
 
-/// The other levels of a sweep. While sheets of a level are shaded, each coarser level has one sheet in its batch, in
-/// which they lie.
+/// The other levels of a sweep. While sheets of a level are shaded, each coarser level has one
+/// sheet in its batch, in which they lie.
 struct OtherLevels {
     std::vector<const LevelSheets*> coarser, finer;
 };

@@ -10,9 +10,9 @@
 
 namespace scrim {
 
-/// Writes the fraction of each light that passes the solids to the paths of 256 samples: `unblocked` has a row for each
-/// light of `lights`, which has solids. Where a light differs along a path, that is the fraction of what it sends
-/// there.
+/// Writes the fraction of each light that passes the solids to the paths of 256 samples:
+/// `unblocked` has a row for each light of `lights`, which has solids. Where a light differs along
+/// a path, that is the fraction of what it sends there.
 void passSolids(const LightSweep::OnSheet& lights, const Sheets& sheets, const SampleTile& samples,
                 std::vector<SheetShader::GivenRows::Row>& unblocked);
 

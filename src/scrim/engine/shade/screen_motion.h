@@ -27,9 +27,9 @@ class ScreenMotion {
         /// Of balls: their velocities themselves; null: none.
         std::array<const Real*, 3> velocity = {};
     };
-    /// Writes, for 256 samples on the plane N = `middle`, the mean motion of their volumes, weighted by extinction, in
-    /// pixels per frame to the right and up. It is 0 where there is nothing, or where the sample is not in front of the
-    /// camera.
+    /// Writes, for 256 samples on the plane N = `middle`, the mean motion of their volumes,
+    /// weighted by extinction, in pixels per frame to the right and up. It is 0 where there is
+    /// nothing, or where the sample is not in front of the camera.
     void fill(double middle, const SampleTile& samples, std::span<const Part> parts, Real* right, Real* up) const;
 
   private:

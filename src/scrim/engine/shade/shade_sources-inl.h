@@ -104,8 +104,8 @@ HWY_ATTR void addScatteredBefore(const ShadeInput& input, const SheetScattered& 
     }
 }
 
-// Adds what all volumes make of uniform radiance from all directions; `radiance` has a value for each channel, and
-// `share` gives the fraction for surfaces. `seen`: it is part of the beauty.
+// Adds what all volumes make of uniform radiance from all directions; `radiance` has a value for
+// each channel, and `share` gives the fraction for surfaces. `seen`: it is part of the beauty.
 template <class SurfaceShare>
 HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int output, bool seen,
                              const SurfaceShare& share, Work& w) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal, compiled once for each instruction set (Highway's method): the direction and strength of a light at the
-// samples of a tile, and how volumes scatter or reflect it. What a light does not need (distance, cone, window) is a
-// pass that is not run.
+// Internal, compiled once for each instruction set (Highway's method): the direction and strength
+// of a light at the samples of a tile, and how volumes scatter or reflect it. What a light does not
+// need (distance, cone, window) is a pass that is not run.
 #if defined(SCRIM_SHADE_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCRIM_SHADE_TILE_INL_H_
 #undef SCRIM_SHADE_TILE_INL_H_
@@ -44,8 +44,8 @@ HWY_ATTR void meetDistant(const DistantOnSheet& light, Incidence& in) {
     });
 }
 
-// Close to a light 1/r^2 changes within a sheet, so its mean over the eye's segment is taken at the two points of Gauss
-// quadrature. It is constant within the light's radius.
+// Close to a light 1/r^2 changes within a sheet, so its mean over the eye's segment is taken at the
+// two points of Gauss quadrature. It is constant within the light's radius.
 HWY_ATTR HWY_INLINE VF meanDecay(const ShadeInput& input, const NearOnSheet& light, VF a, VF b, VF slant2, int k) {
     const auto z = constant(light.distanceW), gauss = constant(Real(0.28867513459481287) * input.thickness);
     const auto ea = load(input.samples->eyeA, k), eb = load(input.samples->eyeB, k);
@@ -272,8 +272,8 @@ HWY_ATTR HWY_INLINE VF halfAngleOf(const Lit& lit, int k) {
     return hn::Sqrt(solidAngle);
 }
 
-// The cosine between the light's direction of travel and the direction towards the eye, which is opposite to the eye's
-// ray.
+// The cosine between the light's direction of travel and the direction towards the eye, which is
+// opposite to the eye's ray.
 HWY_ATTR HWY_INLINE VF scatteringCosine(const Lit& lit, int k) {
     const Incidence& in = *lit.in;
     const auto dot = hn::MulAdd(load(in.a, k), load(lit.input->samples->eyeA, k),
@@ -328,9 +328,9 @@ HWY_ATTR HWY_INLINE void withMeanPhase(const Phase& phase, const Lit& lit, const
     forSamples([&](int k) HWY_ATTR { add(k, load(values, k)); });
 }
 
-// Adds scattered light. `kTinted`: the light has a slide (ZC02 eq. 9: its intensity is a vector that varies from place
-// to place). `kPerChannel`: channels differ by more than a factor, because extinction is coloured or the albedo is a
-// grid.
+// Adds scattered light. `kTinted`: the light has a slide (ZC02 eq. 9: its intensity is a vector
+// that varies from place to place). `kPerChannel`: channels differ by more than a factor, because
+// extinction is coloured or the albedo is a grid.
 template <bool kTinted, bool kPerChannel>
 HWY_ATTR void addScattered(const Lit& lit, const SheetMedium& medium, const Phase& phase, Real part) {
     const DF d;
@@ -364,8 +364,8 @@ HWY_ATTR HWY_INLINE VF power(VF x, Real exponent) {
                               expMinus(hn::Mul(hn::Neg(hn::Log(d, safe)), constant(exponent))));
 }
 
-// Adds the light that a classified volume reflects by Phong's model (ZC02 eq. 6, 8 and 9, and phong() in classified.h).
-// A white diffuse surface that faces the light reflects k_d E / pi.
+// Adds the light that a classified volume reflects by Phong's model (ZC02 eq. 6, 8 and 9, and
+// phong() in classified.h). A white diffuse surface that faces the light reflects k_d E / pi.
 template <bool kTinted>
 HWY_ATTR void addReflected(const Lit& lit, const SheetSurface& surface) {
     const DF d;

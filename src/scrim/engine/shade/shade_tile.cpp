@@ -15,8 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// Light that passes through the sheet to the samples and from there to the eye, for one channel; all rows belong to
-// that channel.
+// Light that passes through the sheet to the samples and from there to the eye, for one channel;
+// all rows belong to that channel.
 struct Passage {
     const Real* extinction;
     const Real* tauIn;

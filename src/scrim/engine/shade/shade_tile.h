@@ -29,8 +29,8 @@ namespace scrim {
 
 /// A medium's contribution to a sheet.
 struct SheetMedium {
-    /// 256 values for each channel; the scattering coefficient, per world unit, is this times `albedo`. All three are
-    /// the medium's extinction unless its albedo is a grid.
+    /// 256 values for each channel; the scattering coefficient, per world unit, is this times
+    /// `albedo`. All three are the medium's extinction unless its albedo is a grid.
     const Real* scatter[3];
     Real albedo[3];  ///< multiplied by the extinction's tint
     Phase phase;
@@ -93,15 +93,15 @@ struct ShadeInput {
     std::span<const SheetSurface> surfaces;
     std::span<const SheetEmission> emissions;
     std::span<const SheetScattered> scattered;
-    /// For outputs of volumes' opacities: their extinction, which a sheet makes into opacity as it makes emission into
-    /// radiance.
+    /// For outputs of volumes' opacities: their extinction, which a sheet makes into opacity as it
+    /// makes emission into radiance.
     std::span<const SheetEmission> opacities;
     std::span<const SheetLight> lights;
-    /// Tau at entry: `channels` x 256 values for each light; only read for shadowed lights, and of these in the
-    /// channels that attenuate them.
+    /// Tau at entry: `channels` x 256 values for each light; only read for shadowed lights, and of
+    /// these in the channels that attenuate them.
     const Real* tauIn;
-    /// Null, or 256 values for each shadowed light (if extinction is grey): tau where the eye's rays leave the sheet.
-    /// `tauIn` is then tau where they enter it, and not where the light does.
+    /// Null, or 256 values for each shadowed light (if extinction is grey): tau where the eye's
+    /// rays leave the sheet. `tauIn` is then tau where they enter it, and not where the light does.
     const Real* tauOut;
     /// 256 values for each light: the fraction that passes solids; nullptr: there are no solids.
     const Real* unblocked;

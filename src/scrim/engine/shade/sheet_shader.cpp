@@ -361,8 +361,8 @@ void SheetShader::addCoarserShadows(int p, const SampleTile& samples, Rows& rows
 
 namespace {
 
-// The box around the first, last and corner samples of a tile, which lie in rows of 16, moved by `away` sheets along
-// the eye's rays; `toTexels` turns slopes into texels a sheet.
+// The box around the first, last and corner samples of a tile, which lie in rows of 16, moved by
+// `away` sheets along the eye's rays; `toTexels` turns slopes into texels a sheet.
 Box2<double> boxAlong(const SampleTile& samples, double away, double toTexels) {
     auto box = Box2<double>::nothing();
     for (const int k : {0, kTileEdge - 1, kTileSize - kTileEdge, kTileSize - 1})
@@ -372,9 +372,9 @@ Box2<double> boxAlong(const SampleTile& samples, double away, double toTexels) {
 
 }  // namespace
 
-// Adds what finer levels take from the lights. Their shadows may be much narrower than this level's sheets are thick:
-// light is averaged over points of the eye's ray through the sheet, as many as the shadow's cells that it crosses ask
-// for.
+// Adds what finer levels take from the lights. Their shadows may be much narrower than this level's
+// sheets are thick: light is averaged over points of the eye's ray through the sheet, as many as
+// the shadow's cells that it crosses ask for.
 void SheetShader::addFinerShadows(int p, const SampleTile& samples, Rows& rows) const {
     constexpr double kCells = 2;
     constexpr int kMost = 32;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 4 of a batch: collects what a tile of samples needs (extinction, surfaces, lights, shadows) and shades it, at
-// texels or at the points where pixels' rays meet the sheet.
+// Stage 4 of a batch: collects what a tile of samples needs (extinction, surfaces, lights, shadows)
+// and shades it, at texels or at the points where pixels' rays meet the sheet.
 #pragma once
 
 #include <scrim/base/real.h>

@@ -13,11 +13,11 @@
 namespace scrim {
 namespace {
 
-// Nodes are this far apart: cells of the smaller grid, or edges of the larger, whichever is more. Light of larger cells
-// is no sharper.
+// Nodes are this far apart: cells of the smaller grid, or edges of the larger, whichever is more.
+// Light of larger cells is no sharper.
 constexpr double kSmallerCells = 4, kLargerCells = 0.5;
-// Rays of a node and an ordinate, each way across the side, over an edge of the larger cells: these are constant
-// inside, so that a single ray would show their sides.
+// Rays of a node and an ordinate, each way across the side, over an edge of the larger cells: these
+// are constant inside, so that a single ray would show their sides.
 constexpr int kRays = 2;
 
 // What the larger cells send after what the smaller ones hold is taken out of them.

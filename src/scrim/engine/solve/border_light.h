@@ -64,8 +64,8 @@ struct Around {
     Depths beyond(const CellGrid& grid, bool ofLast, const Vec3& ws, const Vec3& direction, double distance) const;
 };
 
-/// Around::beyond on the way to one light, from all cells of a grid: interpolated between nodes, since what lies around
-/// differs from one larger cell to the next.
+/// Around::beyond on the way to one light, from all cells of a grid: interpolated between nodes,
+/// since what lies around differs from one larger cell to the next.
 class DepthsBeyond {
   public:
     /// `toLight`: the direction to the light (unit) and its distance from a point.

@@ -28,8 +28,8 @@ HWY_ATTR HWY_INLINE VL lanes(const Real* from) {
     return hn::LoadU(DL(), from);
 }
 
-// What cells emit: one value for each cell, or rows of ordinates, which lie far from each other in memory, so that they
-// are fetched ahead.
+// What cells emit: one value for each cell, or rows of ordinates, which lie far from each other in
+// memory, so that they are fetched ahead.
 struct SameEmission {
     const Real* source;
 
@@ -87,8 +87,8 @@ class Bundle {
         m_z = hwy::AllocateAligned<Real>(std::size_t(blocks.y) * kCellEdge * m_acrossX * m_lanes);
     }
 
-    // Passes all blocks in the order in which light does, and calls cell(index, extinction, passed) for each stored
-    // cell.
+    // Passes all blocks in the order in which light does, and calls cell(index, extinction, passed)
+    // for each stored cell.
     template <class Source, class Result>
     HWY_ATTR void pass(const Source& source, const Result& result) {
         const Int3 blocks = m_sweep.grid->blocks();
@@ -230,8 +230,8 @@ class Bundle {
         }
     }
 
-    // The walls of a block, for each axis: how open the faces are by which light enters cells, and the sides of walls
-    // at these faces and at those by which it leaves.
+    // The walls of a block, for each axis: how open the faces are by which light enters cells, and
+    // the sides of walls at these faces and at those by which it leaves.
     struct WallFaces {
         const std::uint8_t* open[3];
         const std::int32_t *entered[3], *left[3];
@@ -264,8 +264,8 @@ class Bundle {
         if (side >= 0) m_caught[side] += hn::GetLane(hn::SumOfLanes(DL(), hn::Mul(lanes(m_onFace[axis]), light)));
     }
 
-    // No light leaves through a face with negative outflow; the cell is balanced again without that face. Another face
-    // may then go below zero, but this happens three times at most.
+    // No light leaves through a face with negative outflow; the cell is balanced again without that
+    // face. Another face may then go below zero, but this happens three times at most.
     HWY_ATTR void balance(VL x, VL y, VL z, VL extinction, VL sent, Passed& out) const {
         const DL d;
         const VL zero = hn::Zero(d), half = hn::Set(d, Real(0.5));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One sweep of all ordinates through the cells: computes the radiance that passes through every cell from what all
-// cells emit.
+// One sweep of all ordinates through the cells: computes the radiance that passes through every
+// cell from what all cells emit.
 //
 // The scheme is diamond differences: the radiance in a cell is the mean of what enters and leaves it, along each axis.
 // It conserves energy, is of second order in the cell's edge, and remains correct where a cell is many mean free paths
@@ -34,8 +34,8 @@ struct CellSweep {
     /// faces across x are numbered z ny + y, those across y follow as z nx + x, then those across z as y nx + x, with
     /// nx, ny and nz cells along the edges. nullptr or empty: it does.
     const std::vector<std::uint8_t>* border = nullptr;
-    /// One value for each side of the grid's walls (CellGrid::sides): the radiance that comes from there, the mean over
-    /// the face. nullptr: no wall sends light back.
+    /// One value for each side of the grid's walls (CellGrid::sides): the radiance that comes from
+    /// there, the mean over the face. nullptr: no wall sends light back.
     const Real* back = nullptr;
     std::vector<Real>* caught = nullptr;  ///< receives the irradiance on each side divided by pi, before absorption
 };
@@ -43,15 +43,15 @@ struct CellSweep {
 /// The number of bundles of ordinates that are swept together, for each of which sweepIsotropic has a row of scratch.
 std::size_t bundlesOf(Simd simd, int ordinates);
 
-/// For cells that emit the same in all directions: `source` is their emission, one value for each cell, radiance per
-/// world unit; `mean` receives the mean radiance over all directions, one value for each cell. `scratch` is memory that
-/// is reused.
+/// For cells that emit the same in all directions: `source` is their emission, one value for each
+/// cell, radiance per world unit; `mean` receives the mean radiance over all directions, one value
+/// for each cell. `scratch` is memory that is reused.
 void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std::vector<Real>& mean,
                     std::vector<Real>& scratch);
 
-/// For a source that differs by direction. `slots` has one value for each cell: its row of ordinates in `radiance`; -1
-/// if it emits nothing and its radiance is not needed. On entry `radiance` holds the emission of the cells per world
-/// unit, on return their radiance.
+/// For a source that differs by direction. `slots` has one value for each cell: its row of
+/// ordinates in `radiance`; -1 if it emits nothing and its radiance is not needed. On entry
+/// `radiance` holds the emission of the cells per world unit, on return their radiance.
 void sweepDirectional(const CellSweep& sweep, const std::vector<std::int32_t>& slots, std::vector<Real>& radiance);
 
 }  // namespace scrim

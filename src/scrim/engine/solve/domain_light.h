@@ -23,8 +23,8 @@ namespace scrim {
 
 class FirstLight;
 
-/// What the cells keep of radiance along ordinates: what an eye sees of it after one more scattering, its mean over all
-/// directions, or that and its flux.
+/// What the cells keep of radiance along ordinates: what an eye sees of it after one more
+/// scattering, its mean over all directions, or that and its flux.
 enum class KeptLight { towardsEye, mean, meanAndFlux };
 
 /// The parts of a target that are solved for one by one, and the colour of each solve's light, relative to its largest
@@ -32,8 +32,8 @@ enum class KeptLight { towardsEye, mean, meanAndFlux };
 std::vector<std::pair<ScatterTarget, Rgb>> partsOf(const ViewScene& scene, const TransportPlan& plan,
                                                    const ScatterTarget& target);
 
-/// The border of a domain: its cells, what lies around them, and what enters in each pass of the solves, in their
-/// order, as the domain around it finds it.
+/// The border of a domain: its cells, what lies around them, and what enters in each pass of the
+/// solves, in their order, as the domain around it finds it.
 struct DomainBorder {
     CellGrid grid;
     std::shared_ptr<const Around> around;
@@ -63,8 +63,8 @@ class DomainLight {
     void separate();
     void limitFlux();
 
-    /// [target][class], and likewise what of it comes in from outside and has not scattered before; null: nothing, or
-    /// nobody asks for it.
+    /// [target][class], and likewise what of it comes in from outside and has not scattered before;
+    /// null: nothing, or nobody asks for it.
     const std::vector<std::shared_ptr<CellField>>& fields() const { return m_fields; }
     const std::vector<std::shared_ptr<CellField>>& unscattered() const { return m_unscattered; }
     /// Of all targets, along x, y and z; null unless it is kept.

@@ -24,8 +24,8 @@ namespace scrim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// At this distance from the centre of a cube, in edges, 1/r^2 equals its mean over the cube; that mean is 3 / R^2 for a
-// ball of the same volume.
+// At this distance from the centre of a cube, in edges, 1/r^2 equals its mean over the cube; that
+// mean is 3 / R^2 for a ball of the same volume.
 constexpr double kNearest = 0.36;
 // Cells nearer to a lamp than this, in edges, get the mean of its light over all of the cell, by rays from the lamp. A
 // lamp lies anywhere in its cell: with 1/r^2 at centres, smoke of 48 voxels around a lamp was 5 to 32 % off in means

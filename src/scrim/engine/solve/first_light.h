@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sources of a solve of the transport equation: light from lights where it scatters for the first time, emission,
-// and light that enters from outside of all volumes.
+// The sources of a solve of the transport equation: light from lights where it scatters for the
+// first time, emission, and light that enters from outside of all volumes.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -18,8 +18,8 @@
 
 namespace scrim {
 
-/// Radiance of the target's skies and ambient light along each ordinate, for one colour: the mean over the directions
-/// closest to the ordinate. Empty if there are none.
+/// Radiance of the target's skies and ambient light along each ordinate, for one colour: the mean
+/// over the directions closest to the ordinate. Empty if there are none.
 std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, const Ordinates& ordinates, int colour);
 
 /// Light from a target's lights, except for skies, where it scatters for the first time, and emission, in one colour.

@@ -94,8 +94,8 @@ void LastSweep::sweep(std::size_t part, std::size_t colour, const Inflow* inflow
     std::copy(m_mean.begin(), m_mean.end(), rows.begin());
 }
 
-// Adds what is kept of a part's rows. `lobes`: for each class, two values for each row: what the eye sees of light that
-// continues straight on, and the sum by which it is to be divided.
+// Adds what is kept of a part's rows. `lobes`: for each class, two values for each row: what the
+// eye sees of light that continues straight on, and the sum by which it is to be divided.
 void LastSweep::keep(const Ordinates& along, const std::vector<Real>& rows, std::vector<std::vector<Real>>& kept,
                      std::vector<std::vector<Real>>& lobes) const {
     const std::size_t values = m_solver.valuesPerRow();

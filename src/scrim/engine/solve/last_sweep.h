@@ -36,8 +36,8 @@ class LastSweep {
         const Camera* eye = nullptr;
         bool flux = false;
     };
-    /// `media` and `classes` are those of `solver`, whose source becomes memory of the sweeps. What is referred to must
-    /// outlive this.
+    /// `media` and `classes` are those of `solver`, whose source becomes memory of the sweeps. What
+    /// is referred to must outlive this.
     LastSweep(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes, int ordinates,
               const Keeps& keeps, TransportSolver& solver, Simd simd);
 
@@ -62,8 +62,8 @@ class LastSweep {
     std::vector<std::vector<Real>> pass(std::size_t colour, const PassInflow& inflow, bool solved,
                                         const Source& addSource, const Send& send = {});
 
-    /// Adds to a source along `along` what classes that scatter once, or the others, send on of `radiance`, the result
-    /// of a solve.
+    /// Adds to a source along `along` what classes that scatter once, or the others, send on of
+    /// `radiance`, the result of a solve.
     void addScattered(bool once, std::size_t colour, const std::vector<Real>& radiance, const Ordinates& along,
                       std::vector<Real>& source) const;
     /// Peak memory so far.

@@ -21,10 +21,10 @@ namespace {
 constexpr double kAlike = 2;
 // Volumes of a level share a domain if the box around them is no larger than this, relative to both.
 constexpr double kTogether = 1.2;
-// Larger voxels that lie between the blocks of smaller ones are part of their domain from this optical depth over the
-// domain on, unless its box has this many times the cells of the blocks. Without them, in haze of a depth of 0.7 over
-// smoke, 0.05 % of the light under a sun was lost and 0.3 % under a sky; with them, the cells take up to four times as
-// long.
+// Larger voxels that lie between the blocks of smaller ones are part of their domain from this
+// optical depth over the domain on, unless its box has this many times the cells of the blocks.
+// Without them, in haze of a depth of 0.7 over smoke, 0.05 % of the light under a sun was lost and
+// 0.3 % under a sky; with them, the cells take up to four times as long.
 constexpr double kHaze = 0.25, kMostFilled = 8;
 
 double sizeOf(const Bounds& box) {

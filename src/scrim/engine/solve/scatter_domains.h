@@ -15,8 +15,8 @@
 
 namespace scrim {
 
-/// The first is of the whole scene, and each other one comes after the one around it. `cell`: the edge of cells, in
-/// voxels of the finest volume that the cells are for.
+/// The first is of the whole scene, and each other one comes after the one around it. `cell`: the
+/// edge of cells, in voxels of the finest volume that the cells are for.
 std::vector<ScatterDomain> scatterDomains(const ViewScene& scene, double cell);
 
 /// One domain for the whole scene, with cells for its finest voxels.

@@ -36,8 +36,8 @@ struct TransportSolver::Level {
     std::vector<Real> extinction, scattering;  // of the current colour: one value per cell, one per row
     // Share of each class in `scattering`, one value per row; empty: one class.
     std::vector<std::vector<Real>> shares;
-    // The albedo of each side of walls that send light back, in units of `scattering`: a face of a cell emits a quarter
-    // of what the cell would.
+    // The albedo of each side of walls that send light back, in units of `scattering`: a face of a
+    // cell emits a quarter of what the cell would.
     std::vector<Real> sides;
     std::vector<Real> x, next, source;  // the rows' values, then one for each side
 
@@ -102,9 +102,9 @@ const std::vector<Real>& TransportSolver::radiance() const {
     return m_levels.front().next;
 }
 
-// Numbers the rows. If one number represents all directions, every cell has a row. Otherwise only cells that send light
-// have one: rows of the cells around them, between which and them light is interpolated, were 31 % of all rows, and
-// changed pictures by 0.02 to 0.05 %.
+// Numbers the rows. If one number represents all directions, every cell has a row. Otherwise only
+// cells that send light have one: rows of the cells around them, between which and them light is
+// interpolated, were 31 % of all rows, and changed pictures by 0.02 to 0.05 %.
 void TransportSolver::numberRows(Level& level) const {
     const CellGrid& grid = level.cells().grid;
     level.rows.assign(grid.cells(), m_isotropic ? 0 : -1);
@@ -146,8 +146,8 @@ std::vector<Real>& TransportSolver::clearedSource() {
     return source();
 }
 
-// next = G(x): sweeps what cells emit, and scatters the result. The last time it is not scattered, and negative values
-// are removed.
+// next = G(x): sweeps what cells emit, and scatters the result. The last time it is not scattered,
+// and negative values are removed.
 void TransportSolver::sweep(Level& level, const Inflow* inflow, bool last) {
     if (m_settings.checkpoint) m_settings.checkpoint();
     const std::size_t values = valuesPerRow();
@@ -280,8 +280,8 @@ double TransportSolver::improve(std::size_t level, double residual, AndersonMixi
         return length;
     };
     if (level + 1 == m_levels.size()) return mix(0);
-    // The error of x is r + K r + ..., K being a sweep without sources: r itself, and its scattering, which coarser
-    // cells compute.
+    // The error of x is r + K r + ..., K being a sweep without sources: r itself, and its
+    // scattering, which coarser cells compute.
     Level& coarse = m_levels[level + 1];
     restrict(here, coarse, true);
     std::fill(coarse.x.begin(), coarse.x.end(), Real(0));
@@ -308,8 +308,8 @@ AndersonMixing TransportSolver::mixing(std::size_t level) const {
     return {history, [this, &here](const auto& a, const auto& b) { return product(here, a, b); }};
 }
 
-// Reduces the residual of coarser cells to a part of what it is at first. (Its ratio to x says little: x may grow
-// long.)
+// Reduces the residual of coarser cells to a part of what it is at first. (Its ratio to x says
+// little: x may grow long.)
 void TransportSolver::reduce(std::size_t level, const Inflow* inflow, int mostSweeps) {
     Level& here = m_levels[level];
     AndersonMixing anderson = mixing(level);
@@ -326,9 +326,9 @@ void TransportSolver::reduce(std::size_t level, const Inflow* inflow, int mostSw
     }
 }
 
-// Iterates on the finest cells until the error of x is estimated to be at most the tolerance; returns that estimate.
-// `ahead`: if given, iteration ends when the next sweep is expected to show that, and it becomes false if iteration
-// ended for another reason.
+// Iterates on the finest cells until the error of x is estimated to be at most the tolerance;
+// returns that estimate. `ahead`: if given, iteration ends when the next sweep is expected to show
+// that, and it becomes false if iteration ended for another reason.
 double TransportSolver::iterate(const Inflow* inflow, bool* ahead) {
     Level& here = m_levels.front();
     AndersonMixing anderson = mixing(0);

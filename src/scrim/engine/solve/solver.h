@@ -70,9 +70,9 @@ class TransportSolver {
     /// a mean over the face. The caller adds to it.
     std::vector<Real>& clearedSource();
     std::vector<Real>& source();
-    /// Solves for colour `colour` of the media. `inflow`: what enters from outside of all cells. Afterwards
-    /// `radiance()` holds, for each row, the radiance along each ordinate, or its mean over all directions; never below
-    /// 0.
+    /// Solves for colour `colour` of the media. `inflow`: what enters from outside of all cells.
+    /// Afterwards `radiance()` holds, for each row, the radiance along each ordinate, or its mean
+    /// over all directions; never below 0.
     Solved solve(std::size_t colour, const Inflow& inflow);
     const std::vector<Real>& radiance() const;
 
@@ -81,8 +81,8 @@ class TransportSolver {
 
     /// Smaller grids are not made coarser.
     static constexpr std::size_t kFewestCells = 4 * kBlockCells;
-    /// Steps that Anderson's acceleration mixes, of the coarsest cells and, if rows have one value, of the finest: few
-    /// for cells that have a value for each ordinate and walls.
+    /// Steps that Anderson's acceleration mixes, of the coarsest cells and, if rows have one value,
+    /// of the finest: few for cells that have a value for each ordinate and walls.
     static constexpr std::size_t kHistory = 6, kShortHistory = 3;
 
   private:

@@ -10,9 +10,9 @@
 namespace scrim {
 namespace {
 
-// Settings for splatting a density. Values above 1e9 optical depths per voxel are clamped to that: sums of floats must
-// not overflow, and beyond it a voxel's tent is opaque up to a millionth of a voxel from its rim, which no raster
-// resolves.
+// Settings for splatting a density. Values above 1e9 optical depths per voxel are clamped to that:
+// sums of floats must not overflow, and beyond it a voxel's tent is opaque up to a millionth of a
+// voxel from its rim, which no raster resolves.
 FieldPlanes::Settings settingsOf(double scale, const Dials& dials, double voxel) {
     FieldPlanes::Settings settings;
     settings.scale = static_cast<Real>(scale);
@@ -33,8 +33,8 @@ std::vector<std::vector<ViewField>> ofOneTopology(const std::vector<ViewField>& 
     return runs;
 }
 
-// The sources of a volume's emission that the eye sees: none of a held-out volume, and otherwise those whose fields are
-// not empty.
+// The sources of a volume's emission that the eye sees: none of a held-out volume, and otherwise
+// those whose fields are not empty.
 std::vector<ViewEmission> emissionOf(const ViewVolume& volume) {
     if (volume.holdout) return {};
     std::vector<ViewEmission> emission = volume.emission;
@@ -52,8 +52,8 @@ bool isAmong(const std::vector<bool>& among, std::size_t volume) {
     return among.empty() || among[volume];
 }
 
-// True for volumes that look the same, above all instances, which are splatted into the same planes. The groups hold
-// indices of volumes with density.
+// True for volumes that look the same, above all instances, which are splatted into the same
+// planes. The groups hold indices of volumes with density.
 using Alike = std::vector<std::size_t>;
 
 bool lookAlike(const ViewScene& scene, const Plan& plan, std::size_t first, std::size_t second) {
@@ -92,8 +92,8 @@ bool needsTotals(const ViewScene& scene, const Plan& plan, ExtinctionSum::For wh
            (who == ExtinctionSum::For::primaryEye && std::any_of(scene.volumes.begin(), scene.volumes.end(), emits));
 }
 
-// Adds the active tiles of plane p of `from`, times `weight`, to those of `to`. Nothing is added if `weight` is 0, but
-// the tiles become active.
+// Adds the active tiles of plane p of `from`, times `weight`, to those of `to`. Nothing is added if
+// `weight` is 0, but the tiles become active.
 void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
     for (int ty = 0; ty < to.tilesY(); ++ty)
         from.forActive(p, ty, [&](int tx) {
@@ -236,8 +236,8 @@ void ExtinctionSum::countFrom(int plane) {
         for (PlaneStack& sum : *sums) sum.countFrom(plane);
 }
 
-// Sums the volumes, in their order, or those that the eye sees, into the channels of one sheet. The first channel is
-// active wherever there are any contents.
+// Sums the volumes, in their order, or those that the eye sees, into the channels of one sheet. The
+// first channel is active wherever there are any contents.
 void ExtinctionSum::addUp(int p, bool all, std::vector<PlaneStack>& totals) {
     for (PlaneStack& total : totals) total.begin(p);
     for (std::size_t v = 0; v < m_volumes.size(); ++v) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stages 1 and 2 of a batch: splats every volume's fields into their own sheets, and sums their extinction, which eye
-// and lights pass through.
+// Stages 1 and 2 of a batch: splats every volume's fields into their own sheets, and sums their
+// extinction, which eye and lights pass through.
 #pragma once
 
 #include <scrim/engine/model/plan.h>
@@ -16,24 +16,24 @@ namespace scrim {
 
 class ExtinctionSum {
   public:
-    /// The user of the sheets. Lights need extinction only, the eye also scattering, and one of the eye's sweeps
-    /// emission.
+    /// The user of the sheets. Lights need extinction only, the eye also scattering, and one of the
+    /// eye's sweeps emission.
     enum class For { light, eye, primaryEye };
     static For eyeOf(const GroupPlan& group) { return group.primary > 0 ? For::primaryEye : For::eye; }
 
-    /// On the cells of `lattice`, of the scene's volumes `among`; empty: of all. `scene`, `plan`, `sheets` and
-    /// `lattice` must outlive this object.
+    /// On the cells of `lattice`, of the scene's volumes `among`; empty: of all. `scene`, `plan`,
+    /// `sheets` and `lattice` must outlive this object.
     ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
                   int batchSheets, For who, const std::vector<bool>& among = {});
 
-    /// Splats and classifies sheets [firstSheet, firstSheet + count) into planes [0, count). Returns the footprints
-    /// that were added. See FieldPlanes::splat.
+    /// Splats and classifies sheets [firstSheet, firstSheet + count) into planes [0, count).
+    /// Returns the footprints that were added. See FieldPlanes::splat.
     std::uint64_t splat(int firstSheet, int count, const NeededTiles* needed = nullptr, const TileCull& cull = {});
 
-    /// For users who take few sheets at a time, one after the other: makes planes from 0 on those of the sheets from
-    /// `sheet` on, and returns how many there are, at most `count`. It splats as many as a batch holds, up to `end`,
-    /// and keeps them: voxels reach into several sheets, and a single one has little for threads to share. Adds to
-    /// `footprints`.
+    /// For users who take few sheets at a time, one after the other: makes planes from 0 on those
+    /// of the sheets from `sheet` on, and returns how many there are, at most `count`. It splats as
+    /// many as a batch holds, up to `end`, and keeps them: voxels reach into several sheets, and a
+    /// single one has little for threads to share. Adds to `footprints`.
     int take(int sheet, int count, int end, const NeededTiles& needed, std::uint64_t& footprints);
 
     /// An extinction channel summed over all volumes, per world unit. If there is one volume, these are its own planes.
@@ -57,8 +57,8 @@ class ExtinctionSum {
         const PlaneStack& extinction() const { return density ? *density : surface->extinction(); }
     };
     const std::vector<Volume>& volumes() const { return m_volumes; }
-    /// The surfaces, if all extinction is theirs and grey; empty otherwise. Rays may then ask them for the extinction
-    /// along their own course, instead of interpolating between that of texels.
+    /// The surfaces, if all extinction is theirs and grey; empty otherwise. Rays may then ask them
+    /// for the extinction along their own course, instead of interpolating between that of texels.
     const std::vector<const Surface*>& surfacesAlone() const { return m_surfacesAlone; }
     /// Promises that nobody reads the values of `total`, but only which of its tiles are active, if surfaces are alone.
     void leaveOutTexels() { m_texelsWanted = m_surfacesAlone.empty(); }

@@ -16,16 +16,16 @@
 namespace scrim {
 namespace {
 
-// Consecutive sheets that one task splats. Voxels reach into about four sheets, so with fewer they would be located
-// more often.
+// Consecutive sheets that one task splats. Voxels reach into about four sheets, so with fewer they
+// would be located more often.
 constexpr int kSheetsPerTask = 8;
 
 Kernel kernelOf(const ViewField& field, const Dials& dials) {
     return field.kernel.value_or(dials.kernel);
 }
 
-// The number of rows of tiles that a block may touch, plus one. Bands must not depend on the contents of a batch, since
-// they decide the order in which floats are added.
+// The number of rows of tiles that a block may touch, plus one. Bands must not depend on the
+// contents of a batch, since they decide the order in which floats are added.
 int bandTilesFor(const Mat4& rsFromIs, Kernel kernel) {
     const Vec3 row(rsFromIs[0][1], rsFromIs[1][1], rsFromIs[2][1]);
     const double block = (kBlockEdge - 1) * (std::abs(row.x) + std::abs(row.y) + std::abs(row.z));
@@ -133,11 +133,11 @@ void FieldPlanes::place(std::vector<ViewField> fields, std::vector<const float*>
     m_placements.push_back({std::move(fields), std::move(values), from, to});
 }
 
-// Places a field. One without large constant tiles stays as it is; of others, the blocks and each level of tiles are
-// placed separately.
+// Places a field. One without large constant tiles stays as it is; of others, the blocks and each
+// level of tiles are placed separately.
 void FieldPlanes::placeTiles(const ViewField& field) {
-    // Larger tiles, which only sources can make, are divided where they are splatted, because their hulls alone are too
-    // large.
+    // Larger tiles, which only sources can make, are divided where they are splatted, because their
+    // hulls alone are too large.
     constexpr int kLargest = 4096;
     const std::vector<ConstantTile>& all = field.field->tiles;
     const bool cuts = std::all_of(all.begin(), all.end(), [](const ConstantTile& t) { return t.edge <= kLargest; });

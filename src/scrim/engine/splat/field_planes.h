@@ -33,14 +33,14 @@ class FieldPlanes {
                 const Sheets& sheets, const Lattice& lattice, int batchSheets);
     ~FieldPlanes();
 
-    /// Begins the batch [firstSheet, firstSheet + count), which must follow the batch before if sheets beside batches
-    /// are kept. It is splatted in consecutive phases, each of independent tasks; then all planes are finished,
-    /// independently of one another.
+    /// Begins the batch [firstSheet, firstSheet + count), which must follow the batch before if
+    /// sheets beside batches are kept. It is splatted in consecutive phases, each of independent
+    /// tasks; then all planes are finished, independently of one another.
     void beginBatch(int firstSheet, int count);
     static constexpr int kPhases = 2;
     int tasks(int phase) const { return static_cast<int>(m_tasks[std::size_t(phase)].size()); }
-    /// Runs one task. Returns the footprints that were added. Blocks that touch none of the tiles in `needed` are
-    /// culled, and so are those that `cull` rejects.
+    /// Runs one task. Returns the footprints that were added. Blocks that touch none of the tiles
+    /// in `needed` are culled, and so are those that `cull` rejects.
     std::uint64_t splat(int phase, int task, const NeededTiles* needed, const TileCull& cull);
     int planesToFinish() const { return m_readySheet - m_firstReady; }
     void finish(int plane);

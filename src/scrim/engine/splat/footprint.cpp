@@ -64,8 +64,8 @@ FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
         const Vec3 edges(tsFromIs[0][axis], tsFromIs[1][axis], tsFromIs[2][axis]);
         return glm::length(edges);
     };
-    // The smallest power of two that suffices. With six instead of eight steps of texels per voxel, the error of thin
-    // media rises by 0.7 %; for sheets six steps suffice.
+    // The smallest power of two that suffices. With six instead of eight steps of texels per voxel,
+    // the error of thin media rises by 0.7 %; for sheets six steps suffice.
     constexpr double kTexels = 0.95, kSheets = 0.75;
     // Texels of a quarter of a voxel are for small errors. Two steps a texel left more than the texels themselves:
     // where one depth is all that is seen, beside a lamp, 3.8 % instead of 1.1, which flickered. Much larger footprints
@@ -121,8 +121,8 @@ FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, const Steps&
         parallelFor(std::size_t(steps.texel), [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
 }
 
-// Central differences over one step to either side. The step after a texel's last one is the first step of the next
-// texel, where the footprint has moved by one texel.
+// Central differences over one step to either side. The step after a texel's last one is the first
+// step of the next texel, where the footprint has moved by one texel.
 void FootprintTable::addSlopes(int stepV) {
     const auto weight = [&](int stepU, int v, int stepN, int slab, int row, int column) {
         const auto wrap = [](int& step, int steps, int& place) {
@@ -203,8 +203,8 @@ FootprintPieces::FootprintPieces(const FootprintTable& table) : m_beginStride(st
     for (int sheet = 0; sheet < table.sheets(); ++sheet)
         for (int row = 0; row < table.rows(); row += kRows)
             for (int column = 0; column < table.rowStride(); column += kColumns) {
-                // With an odd number of rows, the last piece starts one row earlier, and leaves that row to the
-                // preceding piece.
+                // With an odd number of rows, the last piece starts one row earlier, and leaves
+                // that row to the preceding piece.
                 m_places.emplace_back(column, std::min(row, table.rows() - kRows), sheet);
                 done.push_back(row - m_places.back().y);
             }

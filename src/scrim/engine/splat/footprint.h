@@ -7,9 +7,9 @@
 // cheap. Because one cumulative integral along w serves all sheets, the weights of a texel sum over the sheets to the
 // kernel's line integral for every thickness.
 //
-// Rounding a position to its step moves the voxel. That is an error of first order in the step, which flickers when a
-// camera or a light moves, and which shows in gradients. A table may therefore also hold the slopes of its weights; the
-// remaining error is of second order.
+// Rounding a position to its step moves the voxel. That is an error of first order in the step,
+// which flickers when a camera or a light moves, and which shows in gradients. A table may
+// therefore also hold the slopes of its weights; the remaining error is of second order.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -49,13 +49,13 @@ class FootprintTable {
     /// columns() rounded up to a multiple of 4; weights beyond columns() are 0.
     int rowStride() const { return m_rowStride; }
     int partStride() const { return m_rowStride * rows(); }
-    /// Floats per sheet. A sheet has one part, its weights, or four: weights, and their changes over one step in U, V
-    /// and N.
+    /// Floats per sheet. A sheet has one part, its weights, or four: weights, and their changes
+    /// over one step in U, V and N.
     int sheetStride() const { return partStride() * (m_steps.sloped ? 4 : 1); }
     const Vec3& extent() const { return m_extent; }  ///< half the kernel's extent, in texels and sheets
 
-    /// Offset of the weights for quantised fractions, each below its number of steps. There are sheets() x parts x
-    /// rows() x rowStride() weights.
+    /// Offset of the weights for quantised fractions, each below its number of steps. There are
+    /// sheets() x parts x rows() x rowStride() weights.
     std::size_t offset(int stepU, int stepV, int stepN) const {
         return std::size_t((stepV * m_steps.texel + stepU) * m_steps.sheet + stepN) *
                std::size_t(sheetStride() * sheets());
@@ -94,8 +94,8 @@ class FootprintPieces {
     /// Offsets of the kinds of pieces from a footprint's first texel, in planes with these strides.
     std::vector<std::ptrdiff_t> offsets(std::ptrdiff_t planeStride, std::ptrdiff_t rowStride) const;
 
-    /// The pieces of entry e are those from begins(e)[0] to begins(e)[sheets()] - 1; those of its sheet s begin at
-    /// begins(e)[s].
+    /// The pieces of entry e are those from begins(e)[0] to begins(e)[sheets()] - 1; those of its
+    /// sheet s begin at begins(e)[s].
     const std::uint32_t* begins(std::size_t entry) const { return m_begins.data() + entry * m_beginStride; }
     const std::uint32_t* kinds() const { return m_kinds.data(); }
     const Real* weights() const { return m_pieces.front().values.data(); }
@@ -116,9 +116,9 @@ class FootprintPieces {
 /// `tsFromIs` gives it, and at least four a texel but for voxels of 8 texels and more.
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel);
 
-/// The same for a table with slopes. Where the grid lies along texels and the eye or light looks along one of its axes,
-/// footprints of the linear kernel have kinks in rows and columns, and there are at least 32 steps a voxel as far as
-/// the table stays small.
+/// The same for a table with slopes. Where the grid lies along texels and the eye or light looks
+/// along one of its axes, footprints of the linear kernel have kinks in rows and columns, and there
+/// are at least 32 steps a voxel as far as the table stays small.
 FootprintTable::Steps slopedSteps(Kernel kernel, const Mat4& tsFromIs, int stepsPerVoxel);
 
 }  // namespace scrim

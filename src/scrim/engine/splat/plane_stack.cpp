@@ -90,8 +90,8 @@ HWY_ATTR HWY_INLINE void forLattice(const FloatPlane& plane, Real u, Real v, Rea
     for (int j = 0; j < kTileEdge; ++j) {
         const auto sv = split(hn::Set(d, v + static_cast<Real>(j) * step), plane.y0, plane.height, nearest);
         if (streaming) {
-            // With one texel per cell, all cells of a row have the same fractions, and neighbours are consecutive
-            // floats.
+            // With one texel per cell, all cells of a row have the same fractions, and neighbours
+            // are consecutive floats.
             Real fraction = u - floorU;
             if (nearest) fraction = std::floor(fraction + Real(0.5));
             const auto t = hn::Set(d, fraction);

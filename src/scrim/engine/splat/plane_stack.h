@@ -2,10 +2,10 @@
 // The buffers of a batch of sheets: a few planes of texels, of which only touched tiles cost anything; and vectorised
 // resampling between rasters, the loops of shadow buffers and of shading at pixels.
 //
-// Planes are dense in address space, so that rows are contiguous, but memory is used only where something was written:
-// they start as untouched zero pages, and each plane records the states of its tiles of 16 x 16. A tile that is not
-// active reads as zeros. The work of clearing depends on the number of tiles that were written, never on the plane's
-// size.
+// Planes are dense in address space, so that rows are contiguous, but memory is used only where
+// something was written: they start as untouched zero pages, and each plane records the states of
+// its tiles of 16 x 16. A tile that is not active reads as zeros. The work of clearing depends on
+// the number of tiles that were written, never on the plane's size.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -48,8 +48,8 @@ void forTilesIn(State* states, int count, std::uint8_t state, const Visit& visit
 
 class PlaneStack {
   public:
-    /// `width` and `height` in texels, multiples of kTileEdge; `channels` floats per texel, interleaved. Throws Error
-    /// (memory) if the address space is not available.
+    /// `width` and `height` in texels, multiples of kTileEdge; `channels` floats per texel,
+    /// interleaved. Throws Error (memory) if the address space is not available.
     PlaneStack(int planes, int width, int height, int channels);
 
     int planes() const { return m_planes; }
@@ -82,9 +82,9 @@ class PlaneStack {
     /// The smallest box of tiles around the active ones.
     Box2<int> activeBounds(int p) const;
 
-    // The life of a plane in a batch: begin, then any mix of activate (before adding to a tile) and replace (before
-    // writing all of a tile), then finish. Different threads may handle different planes, and different tiles of one
-    // plane.
+    // The life of a plane in a batch: begin, then any mix of activate (before adding to a tile) and
+    // replace (before writing all of a tile), then finish. Different threads may handle different
+    // planes, and different tiles of one plane.
 
     /// Forgets the plane's contents. Old tiles are cleared when they are next touched, or by finish.
     void begin(int p);
@@ -139,8 +139,8 @@ struct PlaneMap {
 void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out,
                   const PlaneMap& map = {});
 
-/// The field at both faces and in the middle of a sheet, 256 samples each, from its values on the planes of sheets n -
-/// 1, n and n + 1; in buffers aligned to 64 bytes, which may be the same.
+/// The field at both faces and in the middle of a sheet, 256 samples each, from its values on the
+/// planes of sheets n - 1, n and n + 1; in buffers aligned to 64 bytes, which may be the same.
 ///
 /// These values are means over sheets, and the field is taken to be linear between them. Both make it smoother: by a
 /// 24th of the second difference over a sheet, and by a twelfth on average between planes. An eighth of it is therefore
@@ -159,8 +159,8 @@ struct AttenuateTile {
     FloatPlane extinction;  ///< per world unit
     Real u, v, step;        ///< texel under the tile's first cell, and texels between cells
     bool nearest;
-    /// World length of the path through the sheet is path * sqrt(1 + a^2 + b^2) with the slopes a = slopeA + i *
-    /// slopeStep, b = slopeB + j * slopeStep of cell (i, j).
+    /// World length of the path through the sheet is path * sqrt(1 + a^2 + b^2) with the slopes a =
+    /// slopeA + i * slopeStep, b = slopeB + j * slopeStep of cell (i, j).
     Real path, slopeA, slopeB, slopeStep;
     Real* tau;  ///< first cell; rows are tauStride apart
     std::ptrdiff_t tauStride;

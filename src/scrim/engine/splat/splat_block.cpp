@@ -41,8 +41,8 @@ HWY_INLINE int log2Of(int powerOfTwo) {
     return log2;
 }
 
-// The place of a block in texel space: its first voxel is at whole + fraction on each axis. The two are separate, so
-// that floats only hold offsets within a block, however large the raster is.
+// The place of a block in texel space: its first voxel is at whole + fraction on each axis. The two
+// are separate, so that floats only hold offsets within a block, however large the raster is.
 struct Place {
     std::int32_t wholeU, wholeV, wholeN;
     Real fractionU, fractionV, fractionN;
@@ -114,8 +114,8 @@ HWY_ATTR HWY_INLINE void addTo(D d, hn::Vec<D> weights, const Real* value, Real*
     }
 }
 
-// Adds one piece of a footprint to the same texels of one field or of several, from texels[f] + at on: value[f] times
-// its weights.
+// Adds one piece of a footprint to the same texels of one field or of several, from texels[f] + at
+// on: value[f] times its weights.
 template <int kFields>
 HWY_ATTR HWY_INLINE void addPiece(const Real* piece, const Rest& rest, const Real* value, Real* const* texels,
                                   std::ptrdiff_t at, std::ptrdiff_t rowStride, int fields) {

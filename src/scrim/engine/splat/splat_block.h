@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The innermost loop of Scrim: splats the voxels of one block into some consecutive sheets. It is vectorised, and
-// compiled once for every instruction set that the processor may have.
+// The innermost loop of Scrim: splats the voxels of one block into some consecutive sheets. It is
+// vectorised, and compiled once for every instruction set that the processor may have.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -23,9 +23,9 @@ namespace scrim {
 /// work or memory for single voxels.
 class LatticeOrder {
   public:
-    // Offsets from the block's first voxel in texel space, bucket by bucket in ascending floor(N). Within a bucket,
-    // neighbours in the list are far apart in (U, V), since a voxel that adds to texels just written by the preceding
-    // voxel would have to wait for them.
+    // Offsets from the block's first voxel in texel space, bucket by bucket in ascending floor(N).
+    // Within a bucket, neighbours in the list are far apart in (U, V), since a voxel that adds to
+    // texels just written by the preceding voxel would have to wait for them.
     alignas(64) std::array<Real, kBlockVoxels> offsetU;
     alignas(64) std::array<Real, kBlockVoxels> offsetV;
     alignas(64) std::array<Real, kBlockVoxels> offsetN;
@@ -33,8 +33,8 @@ class LatticeOrder {
 
     explicit LatticeOrder(const Mat4& tsFromIs);
 
-    /// The positions [first, second) that contain all voxels with lower < offsetN < upper, and possibly others of the
-    /// same buckets.
+    /// The positions [first, second) that contain all voxels with lower < offsetN < upper, and
+    /// possibly others of the same buckets.
     std::pair<int, int> between(double lower, double upper) const;
 
   private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splats fields into sheets: active voxels only, block by block in a fixed order, and constant tiles as blocks that are
-// never allocated (algorithm, "Feeding the splatter").
+// Splats fields into sheets: active voxels only, block by block in a fixed order, and constant
+// tiles as blocks that are never allocated (algorithm, "Feeding the splatter").
 #pragma once
 
 #include <scrim/base/real.h>
@@ -47,8 +47,8 @@ class FieldSplatter {
     /// Bytes of what is known of each block of a field.
     static std::size_t bytesOfBlocks(const SparseField& field);
 
-    /// Finds where blocks of few voxels have them, so that the rest of such a block costs nothing. To be called after
-    /// `join` and `useValues`.
+    /// Finds where blocks of few voxels have them, so that the rest of such a block costs nothing.
+    /// To be called after `join` and `useValues`.
     void tighten();
 
     std::size_t tableBytes() const { return m_pieces.bytes(); }

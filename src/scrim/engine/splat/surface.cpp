@@ -34,8 +34,8 @@ Range rangeAround(const FloatPlane& plane, int tx, int ty) {
                    plane.simd);
 }
 
-// Where a ray crosses the plane `away` sheets from the samples' own. The result is the same from whichever sheet the
-// question comes, since planes and faces are looked up once for two sheets.
+// Where a ray crosses the plane `away` sheets from the samples' own. The result is the same from
+// whichever sheet the question comes, since planes and faces are looked up once for two sheets.
 Vec2 crossing(const SampleTile& at, std::size_t k, double away, double texelsPerSlope) {
     if (at.rays == nullptr)
         return {at.u[k] + away * texelsPerSlope * double(at.eyeA[k]),
@@ -58,8 +58,8 @@ SampleTile raysOf(const LightView& view, const Int2& cell, int sheet) {
     return rays;
 }
 
-// Values above a million times the last value of the transfer function are clamped to that, because sums of floats must
-// not overflow.
+// Values above a million times the last value of the transfer function are clamped to that, because
+// sums of floats must not overflow.
 Real mostValue(const Classified& look) {
     return static_cast<Real>(std::min<double>(1e6 * look.transfer.back().value, std::numeric_limits<float>::max()));
 }
@@ -140,8 +140,8 @@ void Surface::classifyTexels(int p, bool wanted) {
     out.begin(p);
     for (int ty = 0; ty < out.tilesY(); ++ty)
         for (int tx = 0; tx < out.tilesX(); ++tx) {
-            // A tile is active if its texels, or anything between them and their neighbours, may show something,
-            // because pixels look there, too.
+            // A tile is active if its texels, or anything between them and their neighbours, may
+            // show something, because pixels look there, too.
             if (!anyActive(tx, ty)) continue;
             if (!showsAround(around, tx, ty)) continue;
             if (!wanted) {
@@ -279,8 +279,8 @@ std::pair<Real, Real> Surface::withEdge(const Vec3& from, const Vec3& to, Real a
     return {a, b};
 }
 
-// The splatted field along the rays' course through the sheet. read(plane, away, to) reads a plane that is `away`
-// sheets from the sheet's own where the rays cross it.
+// The splatted field along the rays' course through the sheet. read(plane, away, to) reads a plane
+// that is `away` sheets from the sheet's own where the rays cross it.
 template <class Read>
 void Surface::sampleRun(int p, ClassifiedTile& out, const Read& read) const {
     const int sheet = m_firstSheet + p;
@@ -320,8 +320,8 @@ std::pair<Real, Real> Surface::rangeAlong(const ClassifiedTile& run) const {
     return both(of(run.front), both(of(run.middle), of(run.back)));
 }
 
-// True if any value of the rays' courses has extinction, or is nearer to one that has than `margin`, as a part of their
-// range.
+// True if any value of the rays' courses has extinction, or is nearer to one that has than
+// `margin`, as a part of their range.
 bool Surface::anyShows(const ClassifiedTile& run, Real margin) const {
     const auto [low, high] = rangeAlong(run);
     margin *= high - low;
@@ -420,8 +420,8 @@ void Surface::findSlopes(int p, Some& some) const {
     for (int i = 0; i < some.count; ++i) {
         const Vec3& is = points[std::size_t(i)];
         const Vec3 difference = brick ? brick->difference(is) : m_exact.difference(is);
-        // Gradients are in units of the vague gradient, so that their squares neither overflow nor vanish, whatever
-        // the units of the field.
+        // Gradients are in units of the vague gradient, so that their squares neither overflow nor
+        // vanish, whatever the units of the field.
         const Vec3 slope = m_ssFromDifference * glm::clamp(difference, -most, most) / -m_vagueGradient;
         for (int c = 0; c < 3; ++c) some.slope[c][i] = static_cast<Real>(slope[c]);
     }

@@ -6,16 +6,16 @@
 // Along each eye ray the field is linear between its values on the planes of this sheet and its two neighbours. The
 // transfer function is averaged over the part of that course that lies within the sheet (TransferTable).
 //
-// The splats tell where rays may meet something. There, what the eye sees is looked up in the volume's own field:
-// between texels the splatted field is smoother than that, and a surface would show it as dents. Lights, whose rays
-// cross many sheets before their shadows show, take the splatted field, but at the border of the field where the first
-// trace of a value shows (isRim).
+// The splats tell where rays may meet something. There, what the eye sees is looked up in the
+// volume's own field: between texels the splatted field is smoother than that, and a surface would
+// show it as dents. Lights, whose rays cross many sheets before their shadows show, take the
+// splatted field, but at the border of the field where the first trace of a value shows (isRim).
 //
-// Normals come from central differences over a voxel to either side (ZC02 section 3.1), along the axes of the volume's
-// own lattice. Their lengths may weight extinction.
+// Normals come from central differences over a voxel to either side (ZC02 section 3.1), along the
+// axes of the volume's own lattice. Their lengths may weight extinction.
 //
-// Where the volume is clipped, the part of each ray's course that lies within the clip is classified in place of the
-// whole. It is exact for one face, and sharp within a sheet.
+// Where the volume is clipped, the part of each ray's course that lies within the clip is
+// classified in place of the whole. It is exact for one face, and sharp within a sheet.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -62,8 +62,8 @@ struct ClassifiedTile {
 
 class Surface {
   public:
-    /// `volume` must be classified, and must outlive this object, as must `sheets` and `lattice`. `voxel`: unit of the
-    /// dials.
+    /// `volume` must be classified, and must outlive this object, as must `sheets` and `lattice`.
+    /// `voxel`: unit of the dials.
     Surface(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice, int batchSheets,
             double voxel);
 
@@ -95,15 +95,15 @@ class Surface {
     /// Upper bound on the bytes, known beforehand.
     static std::size_t bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets);
-    /// The number of sheets on either side of a batch that are looked up. A ray's course takes one, and lights are
-    /// followed from two sheets before.
+    /// The number of sheets on either side of a batch that are looked up. A ray's course takes one,
+    /// and lights are followed from two sheets before.
     static constexpr int kBefore = 3, kBehind = 1;
 
   private:
     FloatPlane plane(int p, int steps) const;
     struct Some;
-    // The place (x, y) of the lattice at N = n: in the axes of `m_faces`, (x W, y W, N, W); in the volume's index
-    // space; and as a depth behind a face of the clip, in world units.
+    // The place (x, y) of the lattice at N = n: in the axes of `m_faces`, (x W, y W, N, W); in the
+    // volume's index space; and as a depth behind a face of the clip, in world units.
     glm::dvec4 latticePoint(double x, double y, double n) const {
         const double w = (1 - m_one.z * n) / (m_one.x * x + m_one.y * y + m_one.w);
         return {x * w, y * w, n, w};

@@ -49,8 +49,8 @@ struct Lookup {
     }
 };
 
-// The mean over [x, y], in cells. If that is shorter than a cell, the value at its middle is used, because the
-// difference of two integrals would be rounding only.
+// The mean over [x, y], in cells. If that is shorter than a cell, the value at its middle is used,
+// because the difference of two integrals would be rounding only.
 HWY_ATTR HWY_INLINE VF meanBetween(const Lookup& value, VF x, VF y, VF integralX, VF integralY) {
     const DF d;
     const auto run = hn::Sub(y, x);
@@ -112,8 +112,8 @@ TransferTable::TransferTable(const Classified& classified) {
             const ClassifiedValue c = classify(classified, value);
             return c.extinction * (f == 0 ? 1.0 : c.color[f - 1]);
         };
-        // Between two neighbouring places or points, extinction times colour is a quadratic, for which Simpson's rule
-        // is exact.
+        // Between two neighbouring places or points, extinction times colour is a quadratic, for
+        // which Simpson's rule is exact.
         double integral = 0;
         for (int i = 0; i <= kCells; ++i) {
             const double place = i * m_cell;

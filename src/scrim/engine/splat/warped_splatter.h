@@ -15,8 +15,8 @@
 
 namespace scrim {
 
-/// Splats a field onto the cells of a perspective view. Every footprint is warped by the Jacobian of the projection at
-/// its voxel (ZC02 section 6: "the footprints are individually warped").
+/// Splats a field onto the cells of a perspective view. Every footprint is warped by the Jacobian
+/// of the projection at its voxel (ZC02 section 6: "the footprints are individually warped").
 ///
 /// The footprint is tabulated once, finely, as the kernel's mean through the sheet along the view's middle ray, and
 /// looked up at every cell that it covers. The error is of second order in the angle between a voxel's own ray and the
