@@ -22,6 +22,7 @@ constexpr const char* kEraseLine = "\r\x1b[K";
 }  // namespace
 
 void Console::print(const std::string& text) {
+    const std::lock_guard lock(m_mutex);
     if (!m_status.empty()) std::fputs(kEraseLine, stderr);
     std::fputs((text + "\n" + m_status).c_str(), stderr);
     std::fflush(stderr);
@@ -40,6 +41,7 @@ void Console::warning(const std::string& text) {
 }
 
 void Console::status(const std::string& text) {
+    const std::lock_guard lock(m_mutex);
     if (text == m_status) return;
     std::fputs((kEraseLine + text).c_str(), stderr);
     std::fflush(stderr);

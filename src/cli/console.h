@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program's output on stderr: lines that stay, and one status line below them that is redrawn. Both go through this
-// class, so that they do not overwrite each other.
+// The program's output on stderr: lines that stay, and one status line below them that is redrawn.
+// Both go through this class, so that they do not overwrite each other, from whichever thread.
 #pragma once
 
 #include <scrim/base/messages.h>
 
 #include <cstddef>
+#include <mutex>
 #include <string>
 
 namespace scrim::cli {
@@ -33,6 +34,7 @@ class Console {
     void print(const std::string& text);
 
     bool m_verbose, m_quiet;
+    std::mutex m_mutex;
     std::string m_status;
 };
 

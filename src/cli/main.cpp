@@ -102,6 +102,7 @@ struct CommandLine {
         addSceneOptions(*command, render);
         addRenderOptions(*command, render, "Output");
         addBudget(*command, render);
+        addJobs(*command, render);
     }
     void addPlan() {
         CLI::App* command = app.add_subcommand("plan", "show what a render would do");

@@ -246,6 +246,14 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     command.option_defaults()->group("Options");
 }
 
+void addJobs(CLI::App& command, SceneOptions& o) {
+    add(command, "--jobs", "N", "frames to render side by side, each with its part of the threads and of --memory",
+        [&o](const std::string& t) {
+            o.jobs = countFrom("--jobs", t, kMostThreads);
+            if (o.jobs == 0) refuse("--jobs", t, fmt::format("a whole number from 1 to {}", kMostThreads));
+        });
+}
+
 void addBudget(CLI::App& command, SceneOptions& o) {
     add(command, "--budget", "SECONDS", "take the finest preset with which a frame should render in this time",
         [&o](const std::string& t) { o.budget = secondsFrom("--budget", t); });

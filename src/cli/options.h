@@ -36,6 +36,7 @@ struct SceneOptions {
     std::vector<std::string> sets;  ///< key.path=value
     std::string dials;              ///< file of dials that replace the scene's; "": none
     int threads = 0;                ///< 0: all
+    int jobs = 1;                   ///< frames that are rendered side by side
     std::size_t memory = 0;         ///< bytes; 0: no limit
     MissingPolicy missing = MissingPolicy::error;
     std::string ocio;
@@ -73,6 +74,7 @@ void addSceneOptions(CLI::App& command, SceneOptions& options);
 void addRenderOptions(CLI::App& command, SceneOptions& options, const std::string& group);
 /// Adds the options of `render` alone.
 void addBudget(CLI::App& command, SceneOptions& options);
+void addJobs(CLI::App& command, SceneOptions& options);
 /// Adds the options of `plan` alone.
 void addPlanOptions(CLI::App& command, SceneOptions& options);
 /// Adds the options of `study`.

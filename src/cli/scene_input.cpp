@@ -204,18 +204,26 @@ std::string SceneInput::printedToml(const RenderOptions& options) {
     return m_shot.toml({fmt::format("output.file={}", tomlString(file))}, options);
 }
 
-std::vector<SceneInput> openInputs(const SceneOptions& options) {
-    std::vector<SceneInput> inputs;
-    std::vector<std::optional<UsdScenes>> stages;
-    std::size_t count = 0;
-    Console console(options.verbose, options.quiet);
+Stages readStages(const SceneOptions& options, Console& console) {
+    Stages stages;
     for (const std::string& path : options.inputs) {
         stages.push_back(isStage(path) ? std::optional(readStage(path, options)) : std::nullopt);
-        count += stages.back() ? stages.back()->scenes.size() : 1;
         if (!stages.back()) continue;
         for (const std::string& text : stages.back()->warnings) console.warning(text);
         for (const std::string& text : stages.back()->notes) console.detail(text);
     }
+    return stages;
+}
+
+std::vector<SceneInput> openInputs(const SceneOptions& options) {
+    Console console(options.verbose, options.quiet);
+    return openInputs(options, readStages(options, console));
+}
+
+std::vector<SceneInput> openInputs(const SceneOptions& options, const Stages& stages) {
+    std::vector<SceneInput> inputs;
+    std::size_t count = 0;
+    for (const auto& stage : stages) count += stage ? stage->scenes.size() : 1;
     inputs.reserve(count);  // no reallocation: later inputs refer to the first
     for (std::size_t i = 0; i < options.inputs.size(); ++i) {
         const auto sharing = [&] { return inputs.empty() ? nullptr : &inputs.front(); };

@@ -2,6 +2,7 @@
 // One input of a command: a shot, and the changes that the command line makes to it.
 #pragma once
 
+#include "console.h"
 #include "file_claims.h"
 #include "options.h"
 #include "usd_scenes.h"
@@ -65,7 +66,14 @@ class SceneInput {
     std::shared_ptr<TemporaryFolder> m_folder;  // holds files that the scene names
 };
 
-/// Opens all inputs of the command.
+/// For each input of the command, what was read of it if it is a stage.
+using Stages = std::vector<std::optional<UsdScenes>>;
+/// Reads the stages, and says on `console` what is not rendered as they have it.
+Stages readStages(const SceneOptions& options, Console& console);
+
+/// Opens all inputs of the command. `options` must outlive them.
+std::vector<SceneInput> openInputs(const SceneOptions& options, const Stages& stages);
+/// The same, after reading the stages.
 std::vector<SceneInput> openInputs(const SceneOptions& options);
 
 /// Claims the files that `inputs` read.

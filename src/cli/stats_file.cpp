@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cerrno>
+#include <utility>
 
 namespace scrim::cli {
 namespace {
@@ -28,7 +30,8 @@ std::string textOf(const ShotReport& report) {
 StatsFile::StatsFile(const std::string& path) : m_file(path), m_out(m_file.tempPath(), std::ios::binary) {}
 
 StatsFile::~StatsFile() {
-    if (!m_any || m_ended) return;
+    const bool any = m_any || std::ranges::any_of(m_waiting, [](const auto& item) { return !item.second.empty(); });
+    if (!any || m_ended) return;
     try {
         finish();
     } catch (const std::exception&) {
@@ -44,12 +47,29 @@ void StatsFile::write(const std::string& text) {
                 fmt::format("cannot write '{}': {}", m_file.path(), systemErrorText(errno)));
 }
 
-void StatsFile::add(const ShotReport& report) {
-    write((m_any ? ",\n  " : "[\n  ") + textOf(report));
+void StatsFile::add(std::size_t place, const ShotReport& report) {
+    put(place, textOf(report));
+}
+
+void StatsFile::skip(std::size_t place) {
+    put(place, "");
+}
+
+void StatsFile::put(std::size_t place, std::string text) {
+    m_waiting.emplace(place, std::move(text));
+    while (!m_waiting.empty() && m_waiting.begin()->first == m_next) writeNext();
+}
+
+void StatsFile::writeNext() {
+    const auto first = m_waiting.extract(m_waiting.begin());
+    m_next = first.key() + 1;
+    if (first.mapped().empty()) return;
+    write((m_any ? ",\n  " : "[\n  ") + first.mapped());
     m_any = true;
 }
 
 void StatsFile::finish() {
+    while (!m_waiting.empty()) writeNext();  // where the run ended early, some are missing before them
     write(m_any ? "\n]\n" : "[]\n");
     m_ended = true;
     m_file.commit();

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The file of --stats: one JSON array with an object for each frame. It is written as it grows, so that the thousandth
-// frame costs no more than the first, and appears completely or not at all.
+// The file of --stats: one JSON array with an object for each frame. It is written as it grows, so
+// that the thousandth frame costs no more than the first, and appears completely or not at all.
 #pragma once
 
 #include <scrim/base/atomic_file.h>
 #include <scrim/shot/shot_frame.h>
 
+#include <cstddef>
 #include <fstream>
+#include <map>
 #include <string>
 
 namespace scrim::cli {
@@ -21,15 +23,22 @@ class StatsFile {
     StatsFile(const StatsFile&) = delete;
     StatsFile& operator=(const StatsFile&) = delete;
 
-    void add(const ShotReport& report);
+    /// Adds a frame, or says that there is none at `place` in the order of the run, from 0 on. Frames may come in any
+    /// order; the file has them in that of the run.
+    void add(std::size_t place, const ShotReport& report);
+    void skip(std::size_t place);
     /// Ends the array and moves the file to its place. Must be the last call.
     void finish();
 
   private:
+    void put(std::size_t place, std::string text);
+    void writeNext();
     void write(const std::string& text);
 
     AtomicFile m_file;
     std::ofstream m_out;
+    std::size_t m_next = 0;                        // the place that comes next in the file
+    std::map<std::size_t, std::string> m_waiting;  // by place: frames that others precede; "": none
     bool m_any = false, m_ended = false;
 };
 

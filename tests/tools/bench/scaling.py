@@ -8,7 +8,8 @@
 
 Needs a build (SCRIM_BUILD names another than build/). ASSETs are VDB files or scenes; without one, procedural smoke.
 `predict` records the loops of the whole process on one thread (scrim_loops), and shares them among cores (see
-list_schedule.py for what that leaves out); a SCENE with :LAST has the frames 1 to LAST. With --clock it also measures
+list_schedule.py for what that leaves out); a SCENE with :LAST has the frames 1 to LAST, and then the gain is that of
+the best of several --jobs, whose number stands in brackets. With --clock it also measures
 `scrim render` with one and with two threads, which needs a quiet machine. -v prints what limits 64 cores.
 `voxels` takes 310, 670 and 1440 by default: 1, 10 and 100 million active voxels; the last takes 0.4 GB of disk.
 """
@@ -93,9 +94,10 @@ def voxels(resolutions, folder):
 CORES = 2, 16, 64
 
 
-def recorded(scene, last, threads, folder):
+def recorded(scene, frames, threads, folder):
     path = folder / "record.txt"
-    subprocess.run([SCRIM.parent / "scrim_loops", scene, str(threads), path, folder, "1", str(last)], check=True)
+    subprocess.run([SCRIM.parent / "scrim_loops", scene, str(threads), path, folder, str(frames[0]), str(frames[-1])],
+                   check=True)
     return read_record(path)
 
 
@@ -109,6 +111,18 @@ def clock_ratio(scene, last, folder):
                             folder / "clock.####.exr"], check=True)
             all_times.append(time.monotonic() - begin)
     return statistics.median(times[1]) / statistics.median(times[2])
+
+
+def best_of_jobs(scene, last, cores, folder):
+    """The least time, and the number of jobs that reaches it. Those in the middle stand for the frames of each job."""
+    jobs = [count for count in (1, 2, 4, 8, 12, 16, 24, 32, 48, 64) if count <= min(cores, last)]
+    times = {}
+    for count in jobs:
+        threads, own = cores // count, -(-last // count)
+        first = 1 + (last - own) // 2
+        times[count] = recorded(scene, range(first, first + own), threads, folder).seconds(threads)
+    best = min(jobs, key=times.get)
+    return times[best], best
 
 
 def limits(record, cores):
@@ -130,15 +144,17 @@ def predict(arguments, folder):
             continue
         scene, _, last = argument.partition(":")
         last = int(last or 1)
-        alone = recorded(scene, last, 1, folder).seconds(1)
-        records = {cores: recorded(scene, last, cores, folder) for cores in CORES}
-        gains = [f"{alone / record.seconds(cores):.1f}" for cores, record in records.items()]
+        alone = recorded(scene, range(1, last + 1), 1, folder).seconds(1)
+        gains = []
+        for cores in CORES:
+            seconds, jobs = best_of_jobs(scene, last, cores, folder)
+            gains.append(f"{alone / seconds:.1f}" + (f" ({jobs})" if last > 1 else ""))
         if clock:
             gains.append(f"{clock_ratio(scene, last, folder):.2f}")
         print(f"| {pathlib.Path(scene).name}{', ' + str(last) + ' frames' if last > 1 else ''} | {alone:.2f} | "
               + " | ".join(gains) + " |", flush=True)
         if verbose:
-            limits(records[CORES[-1]], CORES[-1])
+            limits(recorded(scene, range(1, last + 1), CORES[-1], folder), CORES[-1])
 
 
 def main():
