@@ -158,16 +158,21 @@ Vec3 wsOccupiedSize(const ViewScene& scene) {
     if (ws.empty()) return Vec3(0);
     const Vec3 perUnit = double(kBins) / glm::max(ws.size(), 1e-300);
     std::array<std::array<bool, kBins>, 3> filled{};
-    for (const ViewVolume& volume : scene.volumes)
+    const auto part = [&](int axis) {
+        const auto& bins = filled[std::size_t(axis)];
+        return double(std::count(bins.begin(), bins.end(), true)) / kBins;
+    };
+    for (const ViewVolume& volume : scene.volumes) {
+        if (std::min({part(0), part(1), part(2)}) >= 1 - kMostEmpty) return ws.size();
         for (const ViewField& field : fieldsOf(volume)) {
             const double reach = kernelRadius(field.kernel.value_or(volume.kernel.value_or(scene.dials.kernel)));
             const Mat3 map(field.wsFromIs);
+            const Vec3 wide = glm::abs(map[0]) + glm::abs(map[1]) + glm::abs(map[2]);
             const auto add = [&](const Int3& origin, int edge) {
                 const double half = 0.5 * (edge - 1) + reach;
                 const Vec3 middle = transformPoint(field.wsFromIs, Vec3(origin) + 0.5 * (edge - 1)) - ws.lower;
                 for (int axis = 0; axis < 3; ++axis) {
-                    const double far =
-                        half * (std::abs(map[0][axis]) + std::abs(map[1][axis]) + std::abs(map[2][axis]));
+                    const double far = half * wide[axis];
                     const auto bin = [&](double at) {
                         return static_cast<int>(std::clamp(at * perUnit[axis], 0.0, kBins - 1.0));
                     };
@@ -178,12 +183,10 @@ Vec3 wsOccupiedSize(const ViewScene& scene) {
             for (const Int3& origin : field.field->blockOrigins) add(origin, kBlockEdge);
             for (const ConstantTile& tile : field.field->tiles) add(tile.origin, tile.edge);
         }
-    Vec3 size = ws.size();
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto& bins = filled[std::size_t(axis)];
-        const double part = double(std::count(bins.begin(), bins.end(), true)) / kBins;
-        if (part < 1 - kMostEmpty) size[axis] *= part;
     }
+    Vec3 size = ws.size();
+    for (int axis = 0; axis < 3; ++axis)
+        if (part(axis) < 1 - kMostEmpty) size[axis] *= part(axis);
     return size;
 }
 

@@ -528,29 +528,40 @@ double CoarserPilot::error(const ViewScene& coarser) const {
 
 double pilotError(const ViewScene& given, int rays, int mostRays) {
     const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostPilotLights));
-    constexpr int kTasks = 8, kMostTries = 16;
-    struct Task {
+    constexpr int kParts = 8, kMostTries = 16;
+    // Ray i is of part i % kParts. Each part has as many rays that see something.
+    struct Part {
         Errors radiance, alpha;
         int count = 0, tries = 0;
     };
     const PilotScene pilots(scene);
-    std::vector<Task> tasks(kTasks);
+    std::vector<Part> parts(kParts);
+    std::vector<int> numbers;
     for (;; rays *= 2) {
-        parallelFor(kTasks, [&](std::size_t number) {
-            Task& own = tasks[number];
-            for (; own.tries * kTasks < kMostTries * rays && own.count * kTasks < rays; ++own.tries) {
-                const PilotScene::Seen seen = pilots.look(own.tries * kTasks + static_cast<int>(number));
-                if (seen.alpha < kFaint && seen.exact <= 0) continue;
-                own.radiance.add(seen.exact, seen.texels);
-                own.alpha.add(seen.alpha, seen.alphaTexels);
-                ++own.count;
+        do {
+            numbers.clear();
+            for (int p = 0; p < kParts; ++p) {
+                const Part& part = parts[std::size_t(p)];
+                const int wanted = (rays + kParts - 1) / kParts - part.count;
+                const int allowed = (kMostTries * rays + kParts - 1) / kParts - part.tries;
+                for (int i = 0; i < std::min(wanted, allowed); ++i) numbers.push_back((part.tries + i) * kParts + p);
             }
-        });
-        Task all;
-        for (const Task& task : tasks) {
-            all.radiance.add(task.radiance);
-            all.alpha.add(task.alpha);
-            all.count += task.count;
+            std::vector<PilotScene::Seen> seen(numbers.size());
+            parallelFor(seen.size(), [&](std::size_t i) { seen[i] = pilots.look(numbers[i]); });
+            for (std::size_t i = 0; i < seen.size(); ++i) {
+                Part& part = parts[std::size_t(numbers[i] % kParts)];
+                ++part.tries;
+                if (seen[i].alpha < kFaint && seen[i].exact <= 0) continue;
+                part.radiance.add(seen[i].exact, seen[i].texels);
+                part.alpha.add(seen[i].alpha, seen[i].alphaTexels);
+                ++part.count;
+            }
+        } while (!numbers.empty());
+        Part all;
+        for (const Part& part : parts) {
+            all.radiance.add(part.radiance);
+            all.alpha.add(part.alpha);
+            all.count += part.count;
         }
         if (!(all.radiance.values > 0 && all.radiance.squares > 0)) return 0;
         // Where errors are equal, the mean of their squares is known from a few rays. In layers and

@@ -57,9 +57,10 @@ struct SparseField {
     /// Box around the centres of all voxels of blocks and tiles, in index space.
     Bounds isBounds() const {
         Bounds b;
-        for (const Int3& o : blockOrigins) {
-            b.include(Vec3(o));
-            b.include(Vec3(o) + double(kBlockEdge - 1));
+        if (!blockOrigins.empty()) {
+            Int3 lower = blockOrigins.front(), upper = lower;
+            for (const Int3& o : blockOrigins) lower = glm::min(lower, o), upper = glm::max(upper, o);
+            b = {Vec3(lower), Vec3(upper) + double(kBlockEdge - 1)};
         }
         for (const ConstantTile& t : tiles) {
             b.include(Vec3(t.origin));

@@ -151,6 +151,56 @@ TEST(LevelsOfCells, HoldBackEachOthersLight) {
     }
 }
 
+// Two cubes of small voxels in a sky.
+ViewScene cubesApart(double distance) {
+    ViewScene scene = cubeInCube();
+    scene.volumes[0] = scene.volumes[1];
+    scene.volumes[0].name = "first";
+    scene.volumes[1].wsFromIs[3].x = distance;
+    scene.lights = {domeLight(128)};
+    return scene;
+}
+
+CellLightWork workOn(const ViewScene& scene) {
+    const CellLightPlan plan = planCellLights(scene);
+    CellLightWork work;
+    for (std::size_t l = 0; l < plan.levels.size(); ++l)
+        lightOnCells(
+            LevelScene(scene, plan, l), plan.lights, plan.levels[l].smallest(), {}, [] {}, work);
+    return work;
+}
+
+// What one cube hides of the other's sky is (10 / 600)^2 / (4 pi) at most.
+TEST(LevelsOfCells, FarApartTakeWhatEachTakesAlone) {
+    constexpr double kHidden = 3e-5;
+    const ViewScene scene = cubesApart(600);
+    ViewScene alone = scene;
+    alone.volumes.resize(1);
+    const CellLightPlan plan = planCellLights(scene);
+    ASSERT_EQ(plan.levels.size(), 2U);
+    EXPECT_EQ(plan.levels[0].around, (std::vector<bool>{true, false}));
+    EXPECT_EQ(plan.levels[1].around, (std::vector<bool>{false, true}));
+    EXPECT_EQ(planCellLights(cubesApart(150)).levels.size(), 1U);
+    const CellLightWork both = workOn(scene), one = workOn(alone);
+    EXPECT_LE(both.bytes, 2.1 * double(one.bytes));
+    EXPECT_LE(both.directions, 2.1 * double(one.directions));
+    for (const Vec3& ws : {Vec3(0), Vec3(4, -3, 2)}) {
+        const double first = lightAt(alone, ws, 0).x;
+        ASSERT_GT(first, 0);
+        EXPECT_NEAR(lightAt(scene, ws, 0).x, first, kHidden * first);
+        EXPECT_NEAR(lightAt(scene, ws + Vec3(600, 0, 0), 1).x, first, kHidden * first);
+    }
+}
+
+TEST(LevelsOfCells, FarApartHaveTheShadowsOfLampsBehindEachOther) {
+    const ViewScene scene = cubesApart(600);
+    const std::vector<bool> first{true, false}, all{true, true};
+    EXPECT_EQ(around(scene, first, 12, {}), first);
+    EXPECT_EQ(around(scene, first, 12, {Vec3(0, 700, 0)}), first);
+    EXPECT_EQ(around(scene, first, 12, {Vec3(0, 700, 0), Vec3(700, 0, 0)}), all);
+    EXPECT_EQ(around(scene, first, 60, {}), all);
+}
+
 TEST(LevelsOfCells, LinkShadows) {
     for (const Light& light : lights()) {
         ViewScene scene = cubeInCube();

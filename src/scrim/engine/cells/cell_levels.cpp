@@ -65,6 +65,76 @@ std::vector<std::vector<bool>> cellLevels(const ViewScene& scene,
     return levels;
 }
 
+namespace {
+
+Bounds wsBoxOf(const ViewScene& scene, std::size_t volume) {
+    Bounds ws;
+    for (const Vec3& corner : wsCorners(scene.volumes[volume], scene.dials.kernel)) ws.include(corner);
+    return ws;
+}
+
+double widthOf(const Bounds& box) {
+    return glm::length(box.size());
+}
+
+double between(const Bounds& a, const Bounds& b) {
+    return glm::length(glm::max(glm::max(a.lower - b.upper, b.lower - a.upper), Vec3(0)));
+}
+
+}  // namespace
+
+std::vector<std::vector<bool>> farApart(const ViewScene& scene, const std::vector<bool>& volumes, double sizes) {
+    constexpr std::size_t kMost = 64;
+    struct Group {
+        Bounds box;
+        std::vector<bool> volumes;
+    };
+    std::vector<Group> groups;
+    for (std::size_t v = 0; v < volumes.size(); ++v) {
+        if (!volumes[v]) continue;
+        if (groups.size() == kMost) return {volumes};
+        Group& own = groups.emplace_back(Group{wsBoxOf(scene, v), std::vector<bool>(volumes.size(), false)});
+        own.volumes[v] = true;
+    }
+    const auto near = [&](const Group& a, const Group& b) {
+        return between(a.box, b.box) < sizes * std::max(widthOf(a.box), widthOf(b.box));
+    };
+    for (std::size_t i = 0; i < groups.size();) {
+        const auto other = std::find_if(groups.begin() + std::ptrdiff_t(i) + 1, groups.end(),
+                                        [&](const Group& g) { return near(groups[i], g); });
+        if (other == groups.end()) {
+            ++i;
+            continue;
+        }
+        groups[i].box.include(other->box);
+        add(other->volumes, groups[i].volumes);
+        groups.erase(other);
+        i = 0;  // it has grown, and may have come near to one before it
+    }
+    std::vector<std::vector<bool>> out;
+    for (Group& group : groups) out.push_back(std::move(group.volumes));
+    return out;
+}
+
+std::vector<bool> around(const ViewScene& scene, const std::vector<bool>& group, double sizes,
+                         const std::vector<Vec3>& lamps) {
+    Bounds own;
+    for (std::size_t v = 0; v < group.size(); ++v)
+        if (group[v]) own.include(wsBoxOf(scene, v));
+    std::vector<bool> out(group.size(), false);
+    for (std::size_t v = 0; v < group.size(); ++v) {
+        if (scene.volumes[v].field->empty()) continue;
+        const Bounds box = wsBoxOf(scene, v);
+        out[v] = between(own, box) < sizes * widthOf(box);
+        for (const Vec3& lamp : lamps) {
+            Bounds way = own;
+            way.include(lamp);
+            out[v] = out[v] || overlap(way, box);
+        }
+    }
+    return out;
+}
+
 std::vector<bool> both(std::vector<bool> a, const std::vector<bool>& b) {
     for (std::size_t v = 0; v < a.size(); ++v) a[v] = a[v] && b[v];
     return a;
@@ -105,13 +175,18 @@ double occupied(const ViewScene& scene, double margin) {
 LevelScene::LevelScene(const ViewScene& scene, const CellLightPlan& plan, std::size_t level) : LevelScene(scene) {
     features = plan.levels[level].features;
     if (plan.levels.size() == 1) return;
+    const std::vector<bool>& near = plan.levels[level].around;
+    const auto around = [&](const std::vector<bool>& volumes) { return near.empty() ? volumes : both(volumes, near); };
     own = withVoxelsOf(scene, plan.levels[level].volumes);
     std::vector<bool> finer(scene.volumes.size(), false);
     for (std::size_t l = level; l < plan.levels.size(); ++l) add(plan.levels[l].volumes, finer);
-    holding = withVoxelsOf(scene, finer);
-    for (std::size_t l = 0; l < level; ++l)
-        coarser.push_back({withVoxelsOf(scene, plan.levels[l].volumes),
-                           std::max(plan.levels[l].smallest(), plan.levels[level].smallest())});
+    holding = withVoxelsOf(scene, around(finer));
+    for (std::size_t l = 0; l < level; ++l) {
+        const std::vector<bool> volumes = around(plan.levels[l].volumes);
+        if (std::ranges::find(volumes, true) == volumes.end()) continue;
+        coarser.push_back(
+            {withVoxelsOf(scene, volumes), std::max(plan.levels[l].smallest(), plan.levels[level].smallest())});
+    }
 }
 
 }  // namespace scrim

@@ -24,6 +24,16 @@ namespace scrim {
 std::vector<std::vector<bool>> cellLevels(const ViewScene& scene,
                                           const std::function<double(const ViewScene&)>& edgeFor);
 
+/// The volumes of a level in groups with empty space between them, each for cells of its own, since cells between them
+/// would be many: groups are `sizes` times as far from each other as the larger one is wide. One group where volumes
+/// are nearer, or many.
+std::vector<std::vector<bool>> farApart(const ViewScene& scene, const std::vector<bool>& volumes, double sizes);
+
+/// Those of all volumes that may hold back light which `group` gets: the others are as far away as that, so hide next
+/// to nothing of a sky, and are not between the group and any of the `lamps`, world space.
+std::vector<bool> around(const ViewScene& scene, const std::vector<bool>& group, double sizes,
+                         const std::vector<Vec3>& lamps);
+
 /// Those volumes that are in both lists: for each volume of a scene.
 std::vector<bool> both(std::vector<bool> a, const std::vector<bool>& b);
 

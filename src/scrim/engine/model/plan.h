@@ -137,6 +137,7 @@ struct TransportPlan {
 /// Volumes whose light is kept on cells of like size (cells/cell_levels.h).
 struct CellLevel {
     std::vector<bool> volumes;  ///< for each of ViewScene::volumes
+    std::vector<bool> around;   ///< likewise, those that may hold back its light (cells/cell_levels.h); empty: all
     std::vector<double> edges;  ///< for each light of CellLightPlan the edge of its cells, world units
     double features = 0;        ///< about the size of what light shows, world units: the most for cells of octaves
     double coarser = 1;         ///< how much larger cells are than they should be, for want of memory

@@ -361,6 +361,33 @@ bool isSharpOnCells(const ViewScene& scene, const Light& light, const std::vecto
     return isLampOnCells(scene, light) || (AreaShine::serves(light) && isAmong(light, wsCorners));
 }
 
+// Divides levels whose volumes are so far apart that they hide next to nothing of each other's skies: 4e-4 of an even
+// one, and a 25th of that of a picture, which may be brighter there. Not where another kind of light is kept, whose
+// shadows may be long.
+void divideLevels(const ViewScene& scene, CellLightPlan& plan) {
+    constexpr double kSizes = 12, kSizesUnderPicture = 60;
+    double sizes = kSizes;
+    std::vector<Vec3> lamps;
+    for (const int i : plan.lights) {
+        const Light& light = scene.lights[std::size_t(i)];
+        const bool lamp = isLampOnCells(scene, light);
+        if (!lamp && !light.dome()) return;
+        if (lamp) lamps.push_back(light.wsPosition);
+        if (light.slide) sizes = kSizesUnderPicture;
+    }
+    std::vector<CellLevel> levels;
+    for (const CellLevel& level : plan.levels)
+        for (std::vector<bool>& group : farApart(scene, level.volumes, sizes))
+            levels.emplace_back().volumes = std::move(group);
+    const std::vector<bool> all = withVoxels(scene);
+    bool apart = false;
+    for (CellLevel& level : levels) {
+        level.around = around(scene, level.volumes, sizes, lamps);
+        apart = apart || level.around != all;
+    }
+    if (apart) plan.levels = std::move(levels);
+}
+
 }  // namespace
 
 CellLightPlan planCellLights(const ViewScene& scene) {
@@ -389,6 +416,7 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     for (std::vector<bool>& volumes :
          cellLevels(scene, [&](const ViewScene& own) { return std::ranges::min(edgesFor(own)); }))
         plan.levels.emplace_back().volumes = std::move(volumes);
+    divideLevels(scene, plan);
     const auto ownOf = [&](const CellLevel& level) {
         return plan.levels.size() > 1 ? withVoxelsOf(scene, level.volumes) : scene;
     };
