@@ -10,18 +10,22 @@
 #include <scrim/engine/solve/scatter_domains.h>
 #include <scrim/engine/solve/scattered_light.h>
 #include <scrim/scene/optics.h>
+#include <scrim/verify/pilot_volume.h>
 #include <scrim/verify/seen_cells.h>
 #include <scrim/volume/coarser.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 namespace scrim {
 namespace {
@@ -30,12 +34,41 @@ constexpr double kFewestAlong = 24, kMostAlong = 50;  // cells of the finer solv
 constexpr int kLights = 3;                            // points that represent an extended light
 constexpr double kCoarsest = 6;                       // cells that are chosen, voxels
 
+// True if some of a light's cone may meet the box.
+bool mayMeet(const Light& light, const Bounds& ws) {
+    const Light::Spot* spot = light.spot();
+    if (spot == nullptr) return true;
+    const Vec3 way = ws.center() - light.wsPosition;
+    const double distance = glm::length(way), radius = 0.5 * glm::length(ws.size());
+    if (distance <= radius) return true;
+    const double angle = std::acos(std::clamp(glm::dot(way, light.wsDirection) / distance, -1.0, 1.0));
+    return angle - std::asin(radius / distance) < glm::radians(0.5 * spot->coneAngle);
+}
+
+// Of very many small lights the brightest, with the light of all: solves take time for each.
+void keepBrightest(ViewScene& scene) {
+    constexpr std::size_t kMost = 24;
+    const Bounds ws = wsBounds(scene);
+    std::vector<std::pair<double, Light*>> small;
+    double all = 0, kept = 0;
+    for (Light& light : scene.lights) {
+        if (light.dome() || light.area()) continue;
+        all += small.emplace_back(mayMeet(light, ws) ? irradianceAt(light, ws) : 0, &light).first;
+    }
+    if (small.size() <= kMost) return;
+    std::ranges::stable_sort(small, std::greater<>(), [](const auto& light) { return light.first; });
+    for (std::size_t i = 0; i < kMost; ++i) kept += small[i].first;
+    if (kept == 0) return;
+    for (std::size_t i = 0; i < small.size(); ++i) small[i].second->intensity *= i < kMost ? all / kept : 0;
+}
+
 // The scene with a few points for each light. Pictures add up of which each holds out what the
 // other shows: cells must be the same in both.
 ViewScene roughly(const ViewScene& scene, Skies skies) {
     ViewScene few = withFewSubLights(scene, kLights, skies);
     few.layers.clear();
     for (ViewVolume& volume : few.volumes) volume.holdout = false;
+    keepBrightest(few);
     return few;
 }
 

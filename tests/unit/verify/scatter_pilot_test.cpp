@@ -36,6 +36,24 @@ TEST(ScatterPilot, SeesThatDenseSmokeNeedsFinerCells) {
     EXPECT_LT(chooseScattering(*dense, {}, 0.02).cell, chooseScattering(*thin, {}, 0.02).cell);
 }
 
+// Only some of many lights are looked at. They are not those that shine elsewhere, however bright, and those that are
+// alike stand for all.
+TEST(ScatterPilot, LooksAtTheBrightestOfManyLights) {
+    const ViewScene one = smoke(0.6, 0);
+    ViewScene many = one;
+    for (int i = 0; i < 40; ++i) many.lights.push_back(one.lights[0]);
+    Light away = one.lights[0];
+    away.kind = Light::Spot();
+    away.wsPosition = {0, 0, 500};
+    away.wsDirection = {0, 0, 1};
+    away.intensity = Rgb(1e12);
+    for (int i = 0; i < 40; ++i) many.lights.push_back(away);
+    const auto of = scatterPilot(one), ofMany = scatterPilot(many);
+    ASSERT_TRUE(of && ofMany);
+    EXPECT_NEAR(ofMany->difference, of->difference, 1e-4 * of->difference);
+    EXPECT_NEAR(ofMany->share, of->share, 1e-4 * of->share);
+}
+
 // Opaque smoke looks alike with all cells that are too large for its shadows, and finer ones tell more; a limit that
 // leaves them no room is told of.
 TEST(ScatterPilot, TellsThatTheMemoryLimitHidesFinerCells) {

@@ -123,7 +123,8 @@ Rgb FirstCollisions::meanIn(std::size_t cell) const {
 }
 
 // Where the edge of a shadow passes a cell, or between the centres of neighbours, a cell counts by its part that is
-// lit, on its own side of walls. Beams may be narrower than cells: a few places in each are looked at.
+// lit, on its own side of walls. Beams may be narrower than cells: a few places in each are looked at. Not so for
+// elements, many of which stand for one surface: edges of their shadows lie anywhere in cells, and even out.
 void FirstCollisions::findShadows() {
     const CellGrid& grid = m_media.grid;
     constexpr int kLooks = 8;
@@ -137,11 +138,13 @@ void FirstCollisions::findShadows() {
     forCells([&](std::size_t, std::size_t cell) {
         const Int3 place = grid.place(cell);
         if (reaches(grid.wsInside(place))) m_lit[cell] = 1;
+        if (m_light.element()) return;
         for (int i = 0; i < kLooks; ++i) {
             const Vec3 ws = grid.wsFromCs(Vec3(place) + 0.25 + 0.5 * Vec3(i & 1, i >> 1 & 1, i >> 2));
             parts[cell] += reaches(ws) ? Real(1) / kLooks : Real(0);
         }
     });
+    if (m_light.element()) return;
     const std::vector<Real> centres = m_lit;
     forCells([&](std::size_t block, std::size_t cell) {
         const Int3 place = grid.place(cell);
@@ -163,6 +166,7 @@ void FirstCollisions::findShadows() {
 }
 
 ArrivingInCell FirstCollisions::at(std::size_t cell) const {
+    if (m_light.intensity == Rgb(0)) return {};
     const Vec3 ws = m_media.grid.wsCenter(cell);
     ArrivingInCell out{m_unattenuated.at(ws)};
     if (m_light.slide || m_light.spot() || m_light.luminaire) out.irradiance = meanIn(cell);
