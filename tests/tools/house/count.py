@@ -25,7 +25,7 @@ LINES_OF_FUNCTION, PARAMETERS, LINES_OF_FILE, LONG, LONGEST, SHARE_OF_LONG = 60,
 # Lines of each room, rounded up to a hundred when the room was last given a feature.
 BUDGETS = {
     "scrim": 100, "scrim/engine": 1370, "scrim/engine/balls": 700, "scrim/engine/composite": 2000,
-    "scrim/engine/light": 3250, "scrim/engine/model": 1780, "scrim/engine/plan": 3550, "scrim/engine/shade": 2550,
+    "scrim/engine/light": 3250, "scrim/engine/model": 1780, "scrim/engine/plan": 3570, "scrim/engine/shade": 2550,
     "scrim/engine/splat": 3620, "scrim/engine/cells": 3100, "scrim/engine/lamps": 1620, "scrim/engine/passes": 3150,
     "scrim/engine/solve": 3100, "scrim/base": 1910, "scrim/geometry": 900, "scrim/guard": 2450, "scrim/image": 5400,
     "scrim/scene": 11100, "scrim/shot": 8260, "scrim/solid": 1030, "scrim/study": 2000, "scrim/verify": 5720,

@@ -2,6 +2,7 @@
 #include <scrim/engine/plan/expected_cost.h>
 
 #include <scrim/base/error.h>
+#include <scrim/engine/lamps/lamp.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/plan/make_plan.h>
 
@@ -21,6 +22,23 @@ namespace {
 double scatterSeconds(const TransportPlan& plan) {
     constexpr double kCellDirection = 1e-8, kSweeps = 10;
     return plan.any() ? plan.cells * plan.ordinates * kSweeps * kCellDirection : 0;
+}
+
+// Seconds on one thread of looking up lamps on cells: samples near one find how much of the solid angle around it their
+// cell has. 1 to 20 points in haze, with a plume or without, took 90 to 320 ns for each sample, 4 in 10 of them near.
+double lampSeconds(const ViewScene& scene, const Plan& plan) {
+    constexpr double kNearSample = 4e-7;
+    const Vec3 size = wsBounds(scene).size();
+    double near = 0;  // of the samples, summed over lamps
+    for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i) {
+        const Light& light = scene.lights[std::size_t(plan.cellLights.lights[i])];
+        if (!isLampOnCells(scene, light)) continue;
+        double edge = 0;
+        for (const CellLevel& level : plan.cellLights.levels) edge = std::max(edge, level.edges[i]);
+        const double across = 2 * nearestFar(light, edge);
+        near += std::min(across / size.x, 1.0) * std::min(across / size.y, 1.0) * std::min(across / size.z, 1.0);
+    }
+    return kNearSample * near * double(plan.work.pixelSheets);
 }
 
 std::string timeText(double seconds) {
@@ -55,7 +73,8 @@ int renderCount(const ViewScene& scene) {
 }
 
 double roughPictureSeconds(const ViewScene& scene, const Plan& plan, int threads) {
-    const double onCells = scatterSeconds(plan.transport) + cellLightSeconds(scene, plan.cellLights);
+    const double onCells =
+        scatterSeconds(plan.transport) + cellLightSeconds(scene, plan.cellLights) + lampSeconds(scene, plan);
     return renderCount(scene) * (expectedSeconds(scene, plan, threads) + onCells / threads);
 }
 
