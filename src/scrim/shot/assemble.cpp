@@ -211,7 +211,11 @@ void cull(const Scene& scene, ViewScene& view) {
     for (const ViewVolume& volume : view.volumes)
         for (const Vec3& corner : wsCorners(volume, scene.dials.kernel))
             corners[std::size_t(volume.place)]->push_back(corner);
-    const std::vector<std::string> reasons = culledVolumes(scene, corners);
+    std::vector<std::string> reasons = culledVolumes(scene, corners);
+    // Beside a scan even such a volume would change the sheets.
+    for (std::size_t v = 0; v < reasons.size(); ++v)
+        if (reasons[v].empty() && scene.volumes[v].densityScale == 0 && scene.volumes[v].emission.empty())
+            reasons[v] = "its density is 0";
     int last = -1;  // of a volume and its detail one is reported
     std::erase_if(view.volumes, [&](const ViewVolume& volume) {
         const std::string& reason = reasons[std::size_t(volume.place)];

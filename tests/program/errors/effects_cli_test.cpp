@@ -230,6 +230,16 @@ TEST_F(CliEffects, VolumesThatThePictureHasNoUseForAreNotLoaded) {
     EXPECT_EQ(run({"render", "s.toml", "-o", "x.exr"}).status, 3);
 }
 
+TEST_F(CliEffects, VolumesOfNoDensityAreCulledUnlessTheyEmit) {
+    makeVdb(file("other.vdb"), {{.voxels = box({-6, -6, -6}, {6, 6, 6}, 0.2)}});
+    const std::string none = "[[volume]]\nname = \"none\"\nfile = \"other.vdb\"\ndensity = { scale = 0 }\n";
+    write("s.toml", kCamera + kVolume + none + kLight);
+    EXPECT_EQ(effectOf("s.toml", "volumes culled")["reason"], "'none': its density is 0");
+    write("s.toml",
+          kCamera + kVolume + none + "[volume.medium]\nemission = { grid = \"density\", scale = 1 }\n" + kLight);
+    EXPECT_EQ(effectOf("s.toml", "volumes culled")["on"], false);
+}
+
 TEST_F(CliEffects, PictureOfNothingSaysWhy) {
     const ProgramResult result =
         runWell({"render", "scene.toml", "-o", "x.exr", "-q", "--set", "camera.target=[0,0,90]"});

@@ -17,6 +17,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <glm/trigonometric.hpp>
 
 namespace scrim {
@@ -220,19 +221,18 @@ void scaleToPieces(Light& light, const Rgb& radiance, const MeshPart& part, doub
 
 // True if a part of a mesh is in media, where each place is lit by a few of its triangles alone.
 bool isWithin(const Light& light, const ViewScene& scene) {
-    constexpr int kPlaces = 48, kSome = 8;
-    const Bounds ws = wsBounds(scene);
-    if (!ws.contains(light.area()->wsSurface.lower) || !ws.contains(light.area()->wsSurface.upper)) return false;
+    constexpr int kPlaces = 96;
+    const Bounds ws = wsBounds(scene), &own = light.area()->wsSurface;
+    if (glm::any(glm::greaterThan(own.lower, ws.upper)) || glm::any(glm::lessThan(own.upper, ws.lower))) return false;
     FieldSamplers samplers;
     std::vector<VolumeOptics> media;
     for (const ViewVolume& volume : scene.volumes)
         if (!volume.field->empty()) media.emplace_back(volume, Kernel::linear, samplers);
     const MeshPlaces places(*light.area()->surface);
-    const std::vector<Vec2> even = evenPlaces(kPlaces);
-    return std::ranges::count_if(even, [&](const Vec2& p) {
-               const Vec3 at = places.at(p).at;
-               return std::ranges::any_of(media, [&](const VolumeOptics& own) { return own.mostExtinction(at) > 0; });
-           }) >= kSome;
+    return std::ranges::any_of(evenPlaces(kPlaces), [&](const Vec2& p) {
+        const Vec3 at = places.at(p).at;
+        return std::ranges::any_of(media, [&](const VolumeOptics& medium) { return medium.mostExtinction(at) > 0; });
+    });
 }
 
 // Elements all over a mesh, in front of its triangles.

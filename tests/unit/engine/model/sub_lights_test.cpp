@@ -360,6 +360,25 @@ TEST(SubLights, OfAMeshThatFacesAwayAreOneThatIsCulled) {
     }
 }
 
+// Where a mesh touches media, each place there is lit by a few of its triangles, and their parts as points would be too
+// bright. Elements are four times as many.
+TEST(SubLights, OfAMeshThatTouchesMediaAreElements) {
+    constexpr int kSamples = 24, kOfNormals = 4;
+    ViewScene scene = orthographicScene(boxField({-2, -2, -2}, {2, 2, 2}), Medium(), 8, 8);
+    const auto countAt = [&](double y) {
+        Light light;
+        light.name = "panel";
+        light.samples = kSamples;
+        light.kind = Light::Area{AreaShape::mesh};
+        shineFrom(light, *squareMesh({0, y, 0}, {1, 0, 0}, 1), Mat4(1));
+        scene.lights = {light};
+        return int(subLights(scene).lights.size());
+    };
+    EXPECT_EQ(countAt(0), kOfNormals * kSamples);
+    EXPECT_EQ(countAt(3.7), kOfNormals * kSamples);  // only its lowest third is where the kernels of voxels reach
+    EXPECT_LE(countAt(4.5), kSamples);
+}
+
 // A sky that brightens towards its zenith, and in it a sun of 0.53 degrees whose light is a third of all.
 TEST(LightInSpots, IsThatOfTheSunAndNotOfTheSky) {
     constexpr int kWidth = 2048, kHeight = 1024;
