@@ -17,7 +17,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <deque>
+#include <atomic>
 #include <exception>
 #include <functional>
 #include <optional>
@@ -38,12 +38,6 @@ void openDisplay(const SceneOptions& options, Console& console, std::optional<Di
         console.warning(fmt::format("{}; pictures are rendered but not shown", error.what()));
     }
 }
-
-/// What a job of several has of its own: its part of threads and memory, and the inputs.
-struct Side {
-    SceneOptions options;
-    std::vector<SceneInput> inputs = {};
-};
 
 /// Calls `work(i)` on a thread for each job but the first, which the caller's has; where a thread cannot be had, the
 /// caller's does its work, too. Throws what the first of those that failed has thrown, after all have ended.
@@ -73,16 +67,12 @@ void onThreads(int count, std::atomic<bool>& stopped, const std::function<void(i
 /// Renders frames side by side. Jobs share no volumes, so each has all of those that its frames show.
 void renderSideBySide(RenderRun& run, const SceneOptions& options, const Stages& stages) {
     const int threads = threadCount();
-    std::deque<Side> sides;
-    for (int i = 0; i < run.jobs; ++i) {
-        Side& side = sides.emplace_back(Side{options});
-        side.options.threads = std::max(1, threads * (i + 1) / run.jobs - threads * i / run.jobs);
-        side.options.memory = options.memory / static_cast<std::size_t>(run.jobs);
-        side.inputs = openInputs(side.options, stages);
-    }
     onThreads(run.jobs, run.stopped, [&](int i) {
-        Side& side = sides[static_cast<std::size_t>(i)];
-        TaskArena(side.options.threads).run([&] { RenderJob(run, side.options, side.inputs, i).render(); });
+        SceneOptions own = options;
+        own.threads = std::max(1, threads * (i + 1) / run.jobs - threads * i / run.jobs);
+        own.memory /= static_cast<std::size_t>(run.jobs);
+        std::vector<SceneInput> inputs = openInputs(own, stages);
+        TaskArena(own.threads).run([&] { RenderJob(run, own, inputs, i).render(); });
     });
 }
 

@@ -49,7 +49,7 @@ void RenderJob::render() {
         for (std::size_t i = 0; i < all.size() && !m_run.stopped; ++i) {
             throwIfInterrupted();
             m_run.progress.beginFrame(all[i].frame, m_number);
-            renderFrame(all[i], frameAfter(all, i));
+            renderFrame(all, i);
             m_run.progress.endFrame(m_number);
         }
     } catch (...) {
@@ -180,7 +180,8 @@ std::optional<int> RenderJob::frameAfter(const std::vector<Task>& tasks, std::si
     return std::nullopt;
 }
 
-void RenderJob::renderFrame(const Task& task, std::optional<int> next) {
+void RenderJob::renderFrame(const std::vector<Task>& tasks, std::size_t i) {
+    const Task& task = tasks[i];
     SceneInput& input = *task.input;
     const int frame = task.frame;
     if (existsAlready(input, frame)) {
@@ -194,7 +195,7 @@ void RenderJob::renderFrame(const Task& task, std::optional<int> next) {
                 ? fmt::format("frame {}: {} is complete, but a file beside it is not; rendering it again", frame, path)
                 : fmt::format("frame {}: {} is incomplete; rendering it again", frame, path));
 
-    ShotFrame rendered = input.shot().render(frame, optionsOf(input, frame, next));
+    ShotFrame rendered = input.shot().render(frame, optionsOf(input, frame, frameAfter(tasks, i)));
     if (rendered.skipped()) return m_run.reports.skip(task.place);
     const ShotReport& report = rendered.report();
     if (report.verification && report.verification->outOfTime)

@@ -65,7 +65,7 @@ class RenderJob {
     bool existsAlready(const SceneInput& input, int frame);
     bool hasPreview(const std::string& path) const;
     void completeFrame(SceneInput& input, int frame);
-    void renderFrame(const Task& task, std::optional<int> next);
+    void renderFrame(const std::vector<Task>& tasks, std::size_t i);
     std::optional<int> frameAfter(const std::vector<Task>& tasks, std::size_t i);
     RenderOptions optionsOf(const SceneInput& input, int frame, std::optional<int> next);
     void announce(int frame, double seconds);
